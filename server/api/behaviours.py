@@ -17,6 +17,7 @@ from server.api.schemas.behaviours import (
     PlannedDemonstration,
 )
 from server.dependencies import BehaviourId, ReadSession, Who, WriteSession
+from server.web.permissions import for_reader
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril.demonstrators import GameOutcome, example_plans, match_plans
 from tril.errors import Invalid
@@ -30,11 +31,11 @@ router = APIRouter(prefix="/behaviours", tags=["behaviours"])
 @router.get("")
 def list_behaviours(session: ReadSession, who: Who) -> list[Behaviour]:
     """Return the behaviours that one may play, the built-in ones first."""
+    rows = behaviours.listing(session)
     if who.is_participant:
-        rows = behaviours.listing(session)
-        return [_as_participant(row) for row in rows if row.id in who.behaviour_ids]
+        return [for_reader(who, _view(row, {})) for row in rows if row.id in who.behaviour_ids]
     counts = behaviours.counts(session)
-    return [_view(row, counts) for row in behaviours.listing(session)]
+    return [_view(row, counts) for row in rows]
 
 
 @router.post("", status_code=201, responses=CONFLICT)
@@ -71,14 +72,12 @@ def get_checklist(session: ReadSession, who: Who, behaviour_id: BehaviourId) -> 
 @router.get("/{behaviour_id}", responses=NOT_FOUND)
 def get_behaviour(session: ReadSession, who: Who, behaviour_id: BehaviourId) -> Behaviour:
     """Return one behaviour."""
-    if who.is_participant:
-        return _as_participant(behaviours.get(session, behaviour_id))
-    return _one(session, behaviours.get(session, behaviour_id))
+    return for_reader(who, _one(session, behaviours.get(session, behaviour_id)))
 
 
 @router.patch("/{behaviour_id}", responses=NOT_FOUND | CONFLICT)
 def update_behaviour(
-    session: WriteSession, behaviour_id: BehaviourId, update: BehaviourUpdate
+    session: WriteSession, who: Who, behaviour_id: BehaviourId, update: BehaviourUpdate
 ) -> Behaviour:
     """Change a behaviour; omitted fields stay."""
     row = behaviours.get(session, behaviour_id)
@@ -91,6 +90,7 @@ def update_behaviour(
         description=row.description if update.description is None else update.description,
         target=_cells(update.target) if "target" in given else before.target,
         ordered=row.ordered if update.ordered is None else update.ordered,
+        player_id=who.player_id,
     )
     return _one(session, row)
 
@@ -113,11 +113,6 @@ def _played(row: RecordingRow) -> GameOutcome:
         end=None if row.end is None else EndReason(row.end),
         n_frames=row.n_frames,
     )
-
-
-def _as_participant(row: BehaviourRow) -> Behaviour:
-    """Show a behaviour without counts, which tell of other people's games."""
-    return _view(row, {})
 
 
 def _one(session: Session, row: BehaviourRow) -> Behaviour:

@@ -98,13 +98,13 @@ def list_ranking_revisions(
 
 @router.post("/games", status_code=201, responses=NOT_FOUND | CONFLICT)
 def add_games(
-    session: WriteSession, behaviour_id: BehaviourId, games: BorrowedGames
+    session: WriteSession, who: Who, behaviour_id: BehaviourId, games: BorrowedGames
 ) -> list[Recording]:
     """Borrow games for the ranking, unranked, and return them; those borrowed already stay so."""
     behaviours.get(session, behaviour_id)
     borrowed.borrow(session, behaviour_id, games.recording_ids)
     rows = recordings.by_ids(session, games.recording_ids)
-    return RecordingViews(session, behaviour_id).all(rows[key] for key in sorted(rows))
+    return RecordingViews(session, who, behaviour_id).all(rows[key] for key in sorted(rows))
 
 
 @slow_router.get("/ranking/opinion", responses=NOT_FOUND)
@@ -129,15 +129,17 @@ def get_ranking_opinion(request: Request, behaviour_id: BehaviourId) -> RankingO
 
 
 @borrowed_router.get("", responses=NOT_FOUND)
-def list_borrowed_games(session: ReadSession, behaviour_id: BehaviourId) -> list[Recording]:
+def list_borrowed_games(
+    session: ReadSession, who: Who, behaviour_id: BehaviourId
+) -> list[Recording]:
     """Return the games that a behaviour has borrowed, newest first."""
     behaviours.get(session, behaviour_id)
-    return RecordingViews(session, behaviour_id).all(borrowed.listing(session, behaviour_id))
+    return RecordingViews(session, who, behaviour_id).all(borrowed.listing(session, behaviour_id))
 
 
 @slow_router.post("/borrowed", status_code=201, responses=NOT_FOUND)
 def add_varied_games(
-    request: Request, behaviour_id: BehaviourId, wish: VariedGamesWish
+    request: Request, who: Who, behaviour_id: BehaviourId, wish: VariedGamesWish
 ) -> list[Recording]:
     """Add games of other behaviours and of varied play, unranked, and return them."""
     services = services_of(request)
@@ -150,7 +152,7 @@ def add_varied_games(
     )
     with services.database.reading() as session:
         rows = recordings.by_ids(session, ids)
-        return RecordingViews(session, behaviour_id).all(rows[key] for key in ids)
+        return RecordingViews(session, who, behaviour_id).all(rows[key] for key in ids)
 
 
 @borrowed_router.delete("/{recording_id}", status_code=204, responses=NOT_FOUND | CONFLICT)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Query, Request
 from sqlalchemy.orm import Session
 from starlette.responses import Response
 
@@ -18,13 +18,22 @@ from server.api.schemas.recordings import (
     RecordingUpdate,
 )
 from server.api.views.recordings import RecordingViews, parent_of
-from server.dependencies import BehaviourId, ReadSession, RecordingId, Who, WriteSession
+from server.dependencies import (
+    BehaviourId,
+    ReadSession,
+    RecordingId,
+    Who,
+    WriteSession,
+    services_of,
+)
 from server.replay_cache import version_of
+from server.web.permissions import RESEARCHERS_MEMBERS
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril.errors import NotFound
 from tril.exchange import recording_transfer
 from tril.games.space_invaders.memory import RAM_NAMES
-from tril.store import behaviours, recordings
+from tril.store import audit, behaviours, recordings
+from tril.store.access.credentials import Identity
 from tril.store.models import RecordingRow
 from tril.text import shown_json
 
@@ -55,7 +64,7 @@ def list_recordings(
         with_undecided=True,
         only_of=who.sees_only,
     )
-    return RecordingViews(session).all(rows)
+    return RecordingViews(session, who).all(rows)
 
 
 @router.post("/behaviours/{behaviour_id}/recordings/change", responses=NOT_FOUND | CONFLICT)
@@ -69,9 +78,10 @@ def change_recordings(
     elif body.change == "restore":
         recordings.restore(session, rows, who.player_id)
     else:
+        perfect = body.change == "mark_perfect"
         for row in rows:
-            recordings.update(session, row, perfect=body.change == "mark_perfect")
-    return RecordingViews(session).all(rows)
+            recordings.update(session, row, perfect, player_id=who.player_id)
+    return RecordingViews(session, who).all(rows)
 
 
 @router.get(
@@ -80,7 +90,9 @@ def change_recordings(
     responses=NOT_FOUND | {200: {"content": {JSON_LINES: _LINES}}},
 )
 def export_recordings(
+    request: Request,
     session: ReadSession,
+    who: Who,
     behaviour_id: BehaviourId,
     recording: Annotated[
         list[RecordingId] | None, Query(max_length=500, description="Only these.")
@@ -90,27 +102,29 @@ def export_recordings(
     row = behaviours.get(session, behaviour_id)
     only = None if recording is None else _of_behaviour(session, behaviour_id, recording)
     objects = recording_transfer.export_recordings(session, behaviour_id, only)
+    lines = [f"{json.dumps(item)}\n" for item in objects]
+    _note_export(request, who, f"behaviour {behaviour_id}", recordings=len(lines))
     return Response(
-        "".join(f"{json.dumps(item)}\n" for item in objects),
+        "".join(lines),
         media_type=JSON_LINES,
         headers=_download(f"{row.slug}.jsonl"),
     )
 
 
 @router.get("/recordings/{recording_id}", responses=NOT_FOUND)
-def get_recording(session: ReadSession, recording_id: RecordingId) -> Recording:
+def get_recording(session: ReadSession, who: Who, recording_id: RecordingId) -> Recording:
     """Return a recording, even a deleted one."""
-    return RecordingViews(session).one(recordings.get(session, recording_id))
+    return RecordingViews(session, who).one(recordings.get(session, recording_id))
 
 
 @router.patch("/recordings/{recording_id}", responses=NOT_FOUND | CONFLICT)
 def update_recording(
-    session: WriteSession, recording_id: RecordingId, update: RecordingUpdate
+    session: WriteSession, who: Who, recording_id: RecordingId, update: RecordingUpdate
 ) -> Recording:
     """Mark a recording as perfect or not, or change its notes."""
     row = recordings.get(session, recording_id)
-    recordings.update(session, row, update.perfect, update.notes)
-    return RecordingViews(session).one(row)
+    recordings.update(session, row, update.perfect, update.notes, who.player_id)
+    return RecordingViews(session, who).one(row)
 
 
 @router.delete("/recordings/{recording_id}", status_code=204, responses=NOT_FOUND | CONFLICT)
@@ -121,11 +135,11 @@ def delete_recording(session: WriteSession, who: Who, recording_id: RecordingId)
 
 
 @router.post("/recordings/{recording_id}/keep", responses=NOT_FOUND | CONFLICT)
-def keep_recording(session: WriteSession, recording_id: RecordingId) -> Recording:
+def keep_recording(session: WriteSession, who: Who, recording_id: RecordingId) -> Recording:
     """Put a finished game into the library."""
     row = recordings.get(session, recording_id)
     recordings.keep(session, row)
-    return RecordingViews(session).one(row)
+    return RecordingViews(session, who).one(row)
 
 
 @router.post("/recordings/{recording_id}/discard", responses=NOT_FOUND | CONFLICT)
@@ -133,7 +147,7 @@ def discard_recording(session: WriteSession, who: Who, recording_id: RecordingId
     """Delete a recording and return it; it can be restored."""
     row = recordings.get(session, recording_id)
     recordings.delete(session, [row], who.player_id)
-    return RecordingViews(session).one(row)
+    return RecordingViews(session, who).one(row)
 
 
 @router.post("/recordings/{recording_id}/restore", responses=NOT_FOUND | CONFLICT)
@@ -141,7 +155,7 @@ def restore_recording(session: WriteSession, who: Who, recording_id: RecordingId
     """Restore a deleted recording, in the rankings too."""
     row = recordings.get(session, recording_id)
     recordings.restore(session, [row], who.player_id)
-    return RecordingViews(session).one(row)
+    return RecordingViews(session, who).one(row)
 
 
 @router.get("/recordings/{recording_id}/course", responses=NOT_FOUND)
@@ -152,7 +166,7 @@ def get_recording_course(
     row = recordings.get(session, recording_id)
     return RecordingCourse(
         actions=list(row.actions),
-        parent=parent_of(row),
+        parent=parent_of(session, who, row),
         branches=[
             Branch(recording_id=branch.id, frame=branch.parent_frame)
             for branch in recordings.branches(session, row.id, who.sees_only)
@@ -169,14 +183,29 @@ def get_recording_course(
     response_class=Response,
     responses=NOT_FOUND | {200: {"content": {"application/json": {"schema": {"type": "object"}}}}},
 )
-def export_recording(session: ReadSession, recording_id: RecordingId) -> Response:
-    """Return a recording in the exchange format."""
+def export_recording(
+    request: Request, session: ReadSession, who: Who, recording_id: RecordingId
+) -> Response:
+    """Return a recording in the exchange format.
+
+    A participant gets it as it was played, without its place in the ranking, mark and notes.
+    """
     row = recordings.get(session, recording_id)
+    content = recording_transfer.export_recording(session, row)
+    if who.is_participant:
+        content = {key: content[key] for key in content.keys() - RESEARCHERS_MEMBERS}
+    _note_export(request, who, f"recording {row.id}")
     return Response(
-        json.dumps(recording_transfer.export_recording(session, row), indent=2),
+        json.dumps(content, indent=2),
         media_type="application/json",
         headers=_download(f"recording-{row.id}.json"),
     )
+
+
+def _note_export(request: Request, who: Identity, subject: str, **details: int) -> None:
+    """Log an export in a transaction of its own, since what is exported is read in another."""
+    with services_of(request).database.writing() as session:
+        audit.note(session, audit.Action.EXPORTED, who.player_id, subject, **details)
 
 
 def _of_behaviour(session: Session, behaviour_id: int, ids: list[int]) -> list[RecordingRow]:

@@ -100,9 +100,11 @@ def get_run(session: ReadSession, run_id: RunId) -> Run:
 
 
 @router.patch("/runs/{run_id}", responses=NOT_FOUND)
-def update_run(session: WriteSession, run_id: RunId, update: RunUpdate) -> Run:
+def update_run(session: WriteSession, who: Who, run_id: RunId, update: RunUpdate) -> Run:
     """Change the name or the notes of a training; omitted fields stay."""
-    return run_view(session, runs.describe(session, str(run_id), update.name, update.notes))
+    return run_view(
+        session, runs.describe(session, str(run_id), update.name, update.notes, who.player_id)
+    )
 
 
 @router.delete("/runs/{run_id}", status_code=204, responses=NOT_FOUND | CONFLICT)
@@ -145,9 +147,9 @@ def get_run_metrics(
 
 
 @router.get("/runs/{run_id}/results", responses=NOT_FOUND)
-def get_run_results(session: ReadSession, run_id: RunId) -> RunResults:
+def get_run_results(session: ReadSession, who: Who, run_id: RunId) -> RunResults:
     """Return the results of a training so far."""
-    return run_results(session, runs.get(session, str(run_id)))
+    return run_results(session, who, runs.get(session, str(run_id)))
 
 
 def _now(request: Request, run_id: RunId) -> Run:

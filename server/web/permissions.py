@@ -1,15 +1,21 @@
 """What each role may do: the one place that says so.
 
 Every operation of the API declares here what it needs, by the name of its route; a route that does
-not keeps the application from being built (``check_all_declared``).
+not keeps the application from being built (``check_all_declared``). So do the fields of responses
+that not everybody reads who may ask for them. ``python -m server.web.permissions`` prints
+docs/permissions.md.
 """
 
 from __future__ import annotations
 
+import json
+import sys
 from collections.abc import Iterable
 from enum import Enum, auto
+from typing import Any, TypeVar
 
 from fastapi.exceptions import WebSocketException
+from pydantic import BaseModel
 from starlette.requests import HTTPConnection
 
 from server.dependencies import identity_of, services_of
@@ -17,6 +23,8 @@ from tril.errors import Forbidden, NotFound
 from tril.store import games, recordings
 from tril.store.access.credentials import Identity
 from tril.store.models import Role
+
+Shown = TypeVar("Shown", bound=BaseModel)
 
 
 class Need(Enum):
@@ -119,6 +127,80 @@ _OPERATIONS: dict[Need, tuple[str, ...]] = {
     Need.WORKER: ("let_worker_in",),
 }
 
+PARTICIPANTS_FIELDS: dict[str, tuple[str, ...]] = {
+    "Behaviour": ("id", "slug", "name", "description", "target", "ordered", "built_in"),
+    "Branch": ("recording_id", "frame"),
+    "Checklist": ("planned", "note"),
+    "Game": ("id", "recording_id", "behaviour_id", "frame", "max_frames", "stream_path"),
+    "Health": ("status", "failing"),
+    "Hit": ("row", "column", "frame", "on_target"),
+    "Latency": ("presses", "p50_ms", "p95_ms", "frames_dropped", "is_bad"),
+    "MemoryCell": ("address", "name"),
+    "PlannedDemonstration": ("number", "description", "recording_id"),
+    "Player": ("id", "name", "role"),
+    "Recording": (
+        "id",
+        "behaviour_id",
+        "behaviour_name",
+        "borrowed",
+        "source",
+        "player",
+        "state",
+        "verification",
+        "verification_note",
+        "idle_frames",
+        "evaluation_start",
+        "n_frames",
+        "n_steps",
+        "end",
+        "hits",
+        "hits_per_column",
+        "targets",
+        "strays",
+        "order_errors",
+        "shots",
+        "latency",
+        "slowest_percent",
+        "single_steps",
+        "parent",
+        "thumbnail_url",
+        "frames_url",
+        "created_at",
+        "deleted",
+    ),
+    "RecordingCourse": (
+        "actions",
+        "parent",
+        "branches",
+        "conditions",
+        "memory_url",
+        "memory_names",
+    ),
+}
+"""What participants read of each response, by its schema; the tests compare them with the API's
+description, so that a field that is new is either here or in RESEARCHERS_FIELDS."""
+
+RESEARCHERS_FIELDS: dict[str, dict[str, Any]] = {
+    "Behaviour": {
+        "n_recordings": 0,
+        "n_ranked": 0,
+        "n_perfect": 0,
+        "n_runs": 0,
+        "has_example": False,
+    },
+    "Recording": {
+        "run_id": None,
+        "begun_by": None,
+        "perfect": False,
+        "notes": "",
+        "ranked": False,
+    },
+}
+"""What participants don't read, and what they get instead: it tells of other people's work."""
+
+RESEARCHERS_MEMBERS = frozenset({"tier", "perfect", "notes"})
+"""Members of an exported recording that participants don't get."""
+
 NEEDS = {name: need for need, names in _OPERATIONS.items() for name in names}
 
 _NOT_YOURS = {
@@ -166,6 +248,13 @@ def refuse_behaviour_of_others(identity: Identity, behaviour_id: int) -> None:
         raise NotFound(_NOT_YOURS[Need.OWN_BEHAVIOUR])
 
 
+def for_reader(identity: Identity, shown: Shown) -> Shown:
+    """Return a response as its reader may see it, without the fields that are for researchers."""
+    if not identity.is_participant:
+        return shown
+    return shown.model_copy(update=RESEARCHERS_FIELDS.get(type(shown).__name__, {}))
+
+
 def check_all_declared(operations: Iterable[str]) -> None:
     """Raise RuntimeError unless the API's operations are those that declare a need."""
     different = set(operations) ^ NEEDS.keys()
@@ -202,3 +291,69 @@ async def _is_own(connection: HTTPConnection, need: Need, identity: Identity) ->
         return False
     player_id, behaviour_id = owner
     return player_id == identity.player_id and behaviour_id in identity.behaviour_ids
+
+
+_WHO = {
+    Need.NOTHING: "anybody",
+    Need.SIGNED_IN: "everybody who is signed in",
+    Need.OWN_BEHAVIOUR: "researchers; participants for behaviours that they play",
+    Need.OWN_RECORDING: "researchers; participants for their own recordings",
+    Need.OWN_GAME: "researchers; participants for their own games",
+    Need.RESEARCHER: "researchers",
+    Need.OWNER: "the owner",
+    Need.WORKER: "keys of workers",
+}
+
+
+def page() -> str:
+    """Return docs/permissions.md: who may do what, and who reads which field."""
+    lines = [
+        "# Permissions",
+        "",
+        "Generated by `python -m server.web.permissions > docs/permissions.md`.",
+        "",
+        "The owner may do what researchers may. What belongs to another person is answered as if",
+        "it did not exist.",
+        "",
+        "| operations | for |",
+        "|---|---|",
+    ]
+    lines += [
+        f"| {', '.join(f'`{name}`' for name in names)} | {_WHO[need]} |"
+        for need, names in _OPERATIONS.items()
+    ]
+    lines += [
+        "",
+        "## Fields that are for researchers",
+        "",
+        "They tell of other people's work. Participants get a value that tells nothing instead.",
+        "",
+        "| response | field | participants get |",
+        "|---|---|---|",
+    ]
+    lines += [
+        f"| `{schema}` | `{name}` | `{json.dumps(instead)}` |"
+        for schema, fields in RESEARCHERS_FIELDS.items()
+        for name, instead in fields.items()
+    ]
+    members = ", ".join(f"`{name}`" for name in sorted(RESEARCHERS_MEMBERS))
+    lines += [
+        "",
+        f"The file that `export_recording` answers lacks {members} for participants.",
+        "`Recording.parent` and `RecordingCourse.parent` are null for them unless the parent is",
+        "their own recording.",
+        "",
+        "## Fields that participants read",
+        "",
+        "| response | fields |",
+        "|---|---|",
+    ]
+    lines += [
+        f"| `{schema}` | {', '.join(f'`{name}`' for name in fields)} |"
+        for schema, fields in PARTICIPANTS_FIELDS.items()
+    ]
+    return "\n".join([*lines, ""])
+
+
+if __name__ == "__main__":
+    sys.stdout.write(page())

@@ -9,17 +9,23 @@ from sqlalchemy.orm import Session
 from server.api.schemas.recordings import BegunBy, Branch, Hit, Recording
 from server.play.conditions import PlayConditions
 from server.replay_cache import version_of
+from server.web.permissions import for_reader
 from tril.behaviours import Behaviour, score
 from tril.games.space_invaders.memory import COLUMNS
 from tril.play.episode import evaluation_number
 from tril.store import behaviours, players, rankings
+from tril.store.access.credentials import Identity
 from tril.store.models import BehaviourRow, RecordingRow
-from tril.store.recordings import as_recording, hits_of
+from tril.store.recordings import as_recording, hits_of, own_ids
 
 
-def parent_of(row: RecordingRow) -> Branch | None:
-    """Show the recording that this one continues."""
+def parent_of(session: Session, who: Identity, row: RecordingRow) -> Branch | None:
+    """Show the recording that this one continues; not another person's to a participant."""
     if row.parent_id is None or row.parent_frame is None:
+        return None
+    if who.is_participant and not own_ids(
+        session, who.player_id, who.behaviour_ids, [row.parent_id]
+    ):
         return None
     return Branch(recording_id=row.parent_id, frame=row.parent_frame)
 
@@ -35,12 +41,14 @@ class RecordingViews:
 
     Args:
         session: The transaction.
+        who: Who reads them.
         behaviour_id: The behaviour that they are shown for, which has borrowed those of others;
             None shows each for its own.
     """
 
-    def __init__(self, session: Session, behaviour_id: int | None = None) -> None:
+    def __init__(self, session: Session, who: Identity, behaviour_id: int | None = None) -> None:
         self._session = session
+        self._who = who
         self._behaviour_id = behaviour_id
         self._names = players.names(session)
         self._behaviours: dict[int, Behaviour] = {}
@@ -64,7 +72,7 @@ class RecordingViews:
         version = version_of(recording)
         conditions = PlayConditions.from_conditions(row.conditions)
         played = row.n_frames
-        return Recording.of(
+        shown = Recording.of(
             row,
             behaviour_name=self._behaviour(row.behaviour_id).name,
             borrowed=borrowed,
@@ -88,13 +96,14 @@ class RecordingViews:
             latency=None if conditions is None else conditions.latency(played),
             slowest_percent=None if conditions is None else conditions.slowest_percent(played),
             single_steps=None if conditions is None else len(conditions.single_steps),
-            parent=parent_of(row),
+            parent=parent_of(self._session, self._who, row),
             begun_by=_begun_by(conditions),
             ranked=row.id in self._ranked_of(shown_for),
             thumbnail_url=f"/api/recordings/{row.id}/thumbnail.png?v={version}",
             frames_url=f"/api/recordings/{row.id}/frames?v={version}",
             deleted=row.deleted_at is not None,
         )
+        return for_reader(self._who, shown)
 
     def _behaviour(self, behaviour_id: int) -> Behaviour:
         # The recordings of a deleted behaviour remain results of its trainings.

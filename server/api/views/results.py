@@ -35,6 +35,7 @@ from tril.analysis.outcome import (
 from tril.analysis.summary import winner
 from tril.recipes import recipe_from_dict
 from tril.store import behaviours, recordings
+from tril.store.access.credentials import Identity
 from tril.store.models import ArtifactRow, EvaluationRow, RunRow
 from tril.store.training import artifacts, evaluations, training_games
 from tril.store.training.alarms import alarm_of
@@ -48,9 +49,9 @@ def artifact_view(row: ArtifactRow) -> Artifact:
     return Artifact.of(row, url=f"/api/artifacts/{row.id}")
 
 
-def run_results(session: Session, run: RunRow) -> RunResults:
+def run_results(session: Session, who: Identity, run: RunRow) -> RunResults:
     """Show the results of a training so far."""
-    views = RecordingViews(session, run.behaviour_id)
+    views = RecordingViews(session, who, run.behaviour_id)
     games = evaluations.listing(session, run.id)
     files = artifacts.listing(session, run.id)
     tiers = run.snapshot.tiers if run.snapshot else []

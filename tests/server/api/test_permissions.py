@@ -12,6 +12,7 @@ from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 from uuid import uuid4
 
@@ -21,13 +22,20 @@ from starlette.testclient import TestClient, WebSocketTestSession
 from starlette.websockets import WebSocketDisconnect
 
 from server.play.rules import PlayRules
-from server.web.permissions import check_all_declared
+from server.web.permissions import (
+    NEEDS,
+    PARTICIPANTS_FIELDS,
+    RESEARCHERS_FIELDS,
+    Need,
+    check_all_declared,
+    page,
+)
 from server.web.security import load_secrets
 from tests.server.clients import build_frontend, signed_in
 from testsupport.visitors import cookie_of
 from testsupport.workplace import Workplace, make_workplace
 from tril.play.episode import Start
-from tril.store import borrowed, games, players, recordings
+from tril.store import borrowed, games, players, rankings, recordings
 from tril.store.access import credentials
 from tril.store.models import (
     ArtifactRow,
@@ -228,7 +236,15 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
                 recordings.replay_of(played),
                 Source.PERSON,
                 player_id=people[name],
-                notes=MARK if name == "owner" else "",
+                notes=MARK,
+                perfect=True,
+            )
+            rankings.save(
+                session,
+                1,
+                rankings.current(session, 1).revision,
+                [[recording.id], *rankings.current(session, 1).tiers],
+                people["owner"],
             )
             game = games.create(session, 1, Start(20), people[name])
             things[name] = {"recording_id": recording.id, "game_id": game.id}
@@ -340,6 +356,7 @@ def test_a_participant_may_do_what_they_like_with_their_own_games(world: World) 
             answer = world.ask("participant", method, path, world.participants)
             # A gif is drawn by a program that may be missing; nothing may be forbidden.
             assert answer.status_code not in {401, 403, 404}, (name, answer.text)
+            assert MARK not in answer.text, name
             done.add(name)
     assert len(done) == len(OWN_GAMES_OF_BEHAVIOUR) - 2
     own = f"/api/recordings/{world.participants['recording_id']}"
@@ -434,3 +451,72 @@ def test_recordings_say_who_played_them(world: World) -> None:
         row = session.get_one(RecordingRow, world.participants["recording_id"])
         assert row.verification == Verification.VERIFIED
         assert session.get_one(GameRow, world.participants["game_id"]).recording_id
+
+
+FOR_PARTICIPANTS = {
+    Need.NOTHING,
+    Need.SIGNED_IN,
+    Need.OWN_BEHAVIOUR,
+    Need.OWN_RECORDING,
+    Need.OWN_GAME,
+}
+
+
+def _schemas_within(schema: Any, known: dict[str, Any]) -> Iterator[str]:
+    """Yield the names of the schemas that a part of the API's description leads to."""
+    if isinstance(schema, dict):
+        name = str(schema.get("$ref", "")).rpartition("/")[2]
+        if name:
+            yield name
+            hidden = RESEARCHERS_FIELDS.get(name, {})
+            shown = known[name].get("properties", {}).items()
+            yield from _schemas_within([one for field, one in shown if field not in hidden], known)
+        for inner in schema.values():
+            yield from _schemas_within(inner, known)
+    elif isinstance(schema, list):
+        for inner in schema:
+            yield from _schemas_within(inner, known)
+
+
+def test_each_field_that_a_participant_can_be_answered_is_declared(world: World) -> None:
+    description = world.client.app.openapi()  # type: ignore[attr-defined]
+    known = description["components"]["schemas"]
+    found = set()
+    for methods in description["paths"].values():
+        for method, operation in methods.items():
+            if method in METHODS and NEEDS[operation["operationId"]] in FOR_PARTICIPANTS:
+                answers = (a for code, a in operation["responses"].items() if code[0] == "2")
+                for answer in answers:
+                    found |= set(_schemas_within(answer, known))
+    with_fields = {name for name in found if "properties" in known[name]}
+    assert with_fields == PARTICIPANTS_FIELDS.keys()
+    for name in with_fields:
+        hidden = set(RESEARCHERS_FIELDS.get(name, {}))
+        assert known[name]["properties"].keys() == {*PARTICIPANTS_FIELDS[name], *hidden}, name
+        assert not hidden & set(PARTICIPANTS_FIELDS[name]), name
+
+
+@pytest.mark.parametrize("role", ["participant", "researcher", "owner"])
+def test_a_participant_is_told_nothing_of_what_researchers_make_of_a_game(
+    world: World, role: str
+) -> None:
+    visitor = world.visitor(role)
+    own = world.participants["recording_id"]
+    listed = visitor.get("/api/behaviours/1/recordings").json()
+    shown = [visitor.get(f"/api/recordings/{own}").json()]
+    shown += [one for one in listed if one["id"] == own]
+    assert len(shown) == 2
+    exported = visitor.get(f"/api/recordings/{own}/export").json()
+    for one in shown:
+        said = {name: one[name] for name in RESEARCHERS_FIELDS["Recording"]}
+        if role == "participant":
+            assert said == RESEARCHERS_FIELDS["Recording"]
+        else:
+            assert (said["notes"], said["perfect"], said["ranked"]) == (MARK, True, True)
+    in_file = {"notes", "perfect", "tier"} & exported.keys()
+    assert in_file == (set() if role == "participant" else {"notes", "perfect", "tier"})
+
+
+def test_the_table_of_permissions_is_current() -> None:
+    docs = Path(__file__).parents[3] / "docs" / "permissions.md"
+    assert docs.read_text() == page(), "python -m server.web.permissions > docs/permissions.md"
