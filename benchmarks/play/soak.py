@@ -298,7 +298,8 @@ def main() -> None:
             tril_process(fleet.settings, "inference") as inference,
             running_crowd(fleet.settings, arguments.players, 1) as crowd,
         ):
-            wait_until(fleet.settings.inference_socket.exists, START_TIMEOUT_S)
+            # PyTorch takes long to load on a machine that does much else.
+            wait_until(fleet.settings.inference_socket.exists, 5 * START_TIMEOUT_S)
             crowd.counts()  # answered once the players have arrived
             link = asyncio.run(_invite(fleet.settings))
             visitors = Visitors(fleet.settings, run_id, link)
