@@ -65,7 +65,7 @@ async def join(request: Request, pages: SmallPages) -> Response:
 
     def accept(secret: str) -> tuple[str, int | None]:
         with services.database.writing() as session:
-            return invitations.accept(session, secret, name, browser)
+            return invitations.accept(session, secret, name, browser, given.get("form", ""))
 
     if secret is not None:
         try:

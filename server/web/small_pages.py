@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import secrets
 from collections.abc import Collection
 from dataclasses import dataclass
 from html import escape
@@ -195,6 +196,7 @@ class SmallPages:
 <input id="name" name="name" maxlength="80" autocomplete="nickname" required autofocus
   {described}>{why}
 <input type="hidden" name="invitation" value="{escape(invitation)}">
+<input type="hidden" name="form" value="{secrets.token_urlsafe(16)}">
 <button class="go">{said.begin}</button>
 </form>""",
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from datetime import timedelta
@@ -19,6 +20,7 @@ from testsupport.visitors import cookie_of
 from testsupport.workplace import Workplace
 from tril.exchange.recording_transfer import export_recording
 from tril.store import players, recordings, submissions
+from tril.store.access.invitations import FORM_KEY_LENGTH
 from tril.store.database import Database
 from tril.store.models import (
     Base,
@@ -26,6 +28,7 @@ from tril.store.models import (
     CredentialRow,
     GameRow,
     InvitationRow,
+    PlayerRow,
     RecordingRow,
     Role,
     RunRow,
@@ -195,3 +198,25 @@ def test_what_was_done_by_a_server_that_died_is_said_to_be_done(
     again = client.post("/api/runs", json=RUN, headers=headers())
     assert (again.status_code, again.json()["detail"]) == (409, web.DONE_ALREADY)
     assert count(workplace.database, RunRow) == 1
+
+
+def test_a_name_that_is_sent_twice_makes_one_person(
+    client: TestClient, workplace: Workplace
+) -> None:
+    wish = {"name": "Ada", "role": "participant", "behaviour_id": 2, "max_uses": 1}
+    path = client.post("/api/invitations", json=wish).json()["path"]
+    client.cookies.clear()
+    fields = dict(re.findall(r'name="(invitation|form)" value="([^"]+)"', client.get(path).text))
+    assert len(fields["form"]) == FORM_KEY_LENGTH
+    n_people = count(workplace.database, PlayerRow)
+    cookies = []
+    for _ in range(2):
+        client.cookies.clear()
+        sent = client.post("/join", data={**fields, "name": "Ada"}, follow_redirects=False)
+        assert (sent.status_code, sent.headers["location"]) == (303, "/behaviours/2/play")
+        cookies.append(sent.headers["set-cookie"])
+    assert cookies[0] == cookies[1]
+    assert count(workplace.database, PlayerRow) == n_people + 1
+    client.cookies.clear()
+    other = {**fields, "form": "0" * FORM_KEY_LENGTH, "name": "Eve"}
+    assert client.post("/join", data=other).status_code == 404, "the link was for one person"

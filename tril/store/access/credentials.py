@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import base64
 import hashlib
+import hmac
 import secrets
 from collections.abc import Collection
 from dataclasses import dataclass, field
@@ -69,16 +71,26 @@ def new_secret() -> str:
     return secrets.token_urlsafe(24)
 
 
+def secret_from(secret: str, key: str) -> str:
+    """Return the secret that a link's secret and a random key make, always the same one."""
+    digest = hmac.digest(secret.encode(), key.encode(), "sha256")
+    return base64.urlsafe_b64encode(digest[:24]).decode()
+
+
 def hash_of(secret: str) -> str:
     """Return what is stored of a secret; it is random, so it needs no slow hash."""
     return hashlib.sha256(secret.encode()).hexdigest()
 
 
 def sign_in(
-    session: Session, player_id: int, browser: str, invitation_id: int | None = None
+    session: Session,
+    player_id: int,
+    browser: str,
+    invitation_id: int | None = None,
+    secret: str | None = None,
 ) -> str:
-    """Let a browser in as a person, and return the secret for its cookie."""
-    secret = new_secret()
+    """Let a browser in as a person, and return the secret for its cookie, by default a new one."""
+    secret = secret or new_secret()
     row = CredentialRow(
         kind=CredentialKind.BROWSER,
         player_id=player_id,

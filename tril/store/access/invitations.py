@@ -11,11 +11,14 @@ from tril.errors import Invalid, NotFound
 from tril.store import audit, behaviours, players
 from tril.store.access import credentials
 from tril.store.changes import note_change
-from tril.store.models import InvitationRow, MembershipRow, Role, now
+from tril.store.models import CredentialRow, InvitationRow, MembershipRow, Role, now
 from tril.text import clean_line
 
 PATH = "/join"
 """Where links lead to on a server."""
+
+FORM_KEY_LENGTH = 22
+"""Characters of a random key of 128 bits; a shorter one is none."""
 
 DEFAULT_USES = 30
 """A class."""
@@ -105,8 +108,13 @@ def _is_valid() -> ColumnElement[bool]:
     )
 
 
-def accept(session: Session, secret: str, name: str, browser: str) -> tuple[str, int | None]:
-    """Let somebody in by a link as a new person.
+def accept(
+    session: Session, secret: str, name: str, browser: str, form_key: str = ""
+) -> tuple[str, int | None]:
+    """Let somebody in by a link as a new person, once for each form that is sent.
+
+    The cookie's secret follows from the form's key. Sent again, a form signs the same person in,
+    also if the link lets nobody else in by now.
 
     Returns:
         The secret for their cookie, and the behaviour that they may play; None for researchers.
@@ -118,6 +126,20 @@ def accept(session: Session, secret: str, name: str, browser: str) -> tuple[str,
     """
     # Locked, so that no more people come by it at once than it is for.
     session.execute(select(InvitationRow.id).where(_of(secret)).with_for_update())
+    browser_secret = None
+    if len(form_key) >= FORM_KEY_LENGTH:
+        browser_secret = credentials.secret_from(secret, form_key)
+        known = session.execute(
+            select(InvitationRow.behaviour_id)
+            .join(CredentialRow, CredentialRow.invitation_id == InvitationRow.id)
+            .where(
+                _of(secret),
+                CredentialRow.secret_hash == credentials.hash_of(browser_secret),
+                CredentialRow.ended_at.is_(None),
+            )
+        ).one_or_none()
+        if known is not None:
+            return browser_secret, known.behaviour_id
     row = find(session, secret)
     if row is None:
         raise NotFound("This invitation is not valid any more. Ask for a new link.")
@@ -128,7 +150,8 @@ def accept(session: Session, secret: str, name: str, browser: str) -> tuple[str,
         )
     row.n_used += 1
     _log(session, audit.Action.INVITATION_USED, person.id, row)
-    return credentials.sign_in(session, person.id, browser, row.id), row.behaviour_id
+    signed_in = credentials.sign_in(session, person.id, browser, row.id, browser_secret)
+    return signed_in, row.behaviour_id
 
 
 def listing(session: Session) -> list[InvitationRow]:
