@@ -46,7 +46,7 @@ _TAGS = (
 )
 _FLAGS = re.compile(f"\U0001f3f4(?:{'|'.join(_TAGS)})\U000e007f")
 """The flags of England, Scotland and Wales, which are spelled with tags."""
-_SPACES = re.compile("[ \u00a0\u1680\u2000-\u200a\u202f\u205f\u3000]+")
+_SPACES = re.compile("[ \t\u00a0\u1680\u2000-\u200a\u202f\u205f\u3000]+")
 _LINE_BREAKS = re.compile("\r\n|[\r\x85\u2028\u2029]")
 _KEPT_IN_LINES = "\n\t"
 _REPLACEMENT = "\ufffd"

@@ -198,7 +198,9 @@ def in_plain_words(error: Mapping[str, Any]) -> str:
     field = names[-1].replace("_", " ").capitalize() if names else "The request"
     if isinstance(reason := error.get("ctx", {}).get("error"), TextRefused):
         return f"{field}: {str(reason)[:1].lower()}{str(reason)[1:]}"
-    wrong = _WRONG.get(error["type"])
+    # Bounds of a text that is cleaned first are checked as those of any sequence.
+    is_text = error["type"] in {"too_short", "too_long"} and isinstance(error.get("input"), str)
+    wrong = _WRONG.get(f"string_{error['type']}" if is_text else error["type"])
     if wrong is None:
         return f"{field} can't be accepted: {error['msg']}."
     return f"{field} {wrong.format_map(error.get('ctx', {}))}."
