@@ -5,6 +5,6 @@ from cli.supervision.orphans import exit_with_parent
 if __name__ == "__main__":
     # Before the slow imports, to notice a parent killed meanwhile.
     exit_with_parent()
-    from cli.main import app
+    from cli.main import run
 
-    app()
+    run()

@@ -85,7 +85,7 @@ def _checked_address(address: str, settings: Settings) -> str:
 
 def _read_key(settings: Settings) -> str:
     key = settings.secret("worker_key")
-    if not key and sys.stdin.isatty():
+    if not key and sys.stdin is not None and sys.stdin.isatty():
         key = checked_key(getpass.getpass("Key of the worker: "))
     if not key:
         raise Invalid(
@@ -103,14 +103,20 @@ class _NoRedirects(urllib.request.HTTPRedirectHandler):
         return None
 
 
+def _opener(url: str) -> urllib.request.OpenerDirector:
+    """Return what asks a server: by the environment's proxy only if that is another machine."""
+    is_here = is_loopback(urlsplit(url).hostname or "")
+    proxies = urllib.request.ProxyHandler({} if is_here else None)
+    return urllib.request.build_opener(proxies, _NoRedirects)
+
+
 def _ask(url: str, key: str) -> dict[str, str]:
     """Return what the server says of where the data is."""
     body = json.dumps({"version": __version__, "revision": schema_revision()}).encode()
     headers = {"Authorization": f"Bearer {key}", "Content-Type": "application/json"}
     request = urllib.request.Request(url, body, headers, method="POST")
     try:
-        opener = urllib.request.build_opener(_NoRedirects)
-        with opener.open(request, timeout=TIMEOUT_S) as reply:
+        with _opener(url).open(request, timeout=TIMEOUT_S) as reply:
             content = reply.read(MAX_ANSWER_BYTES)
     except urllib.error.HTTPError as error:
         raise _refusal(url, error) from error

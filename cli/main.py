@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import os
+import sys
 
 import typer
 from typer import rich_utils
@@ -57,4 +59,15 @@ app.add_typer(people.app, name="people")
 def main() -> None:
     """Run the installed command, whose child processes import nothing from the current folder."""
     os.environ["PYTHONSAFEPATH"] = "1"
+    run()
+
+
+def run() -> None:
+    """Run the command, with escapes for what the terminal or the file it prints to can't show."""
+    # Where they are closed.
+    sys.stdout = sys.stdout or open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
+    sys.stderr = sys.stderr or open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     app()

@@ -7,6 +7,7 @@ import json
 import sqlite3
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -120,6 +121,8 @@ def read_settings() -> Settings:
             for one in error.errors()
         )
         raise Invalid(f"Invalid settings in the environment or .env: {wrong}.") from error
+    except (OSError, UnicodeDecodeError) as error:
+        raise Invalid(f"The file .env in {Path.cwd()} can't be read: {error}.") from error
     if settings.data.exists() and not settings.data.is_dir():
         raise Invalid(f"TRIL_DATA is {settings.data}, which is not a folder. Choose another.")
     return settings

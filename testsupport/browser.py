@@ -106,4 +106,6 @@ def _starts(program: str) -> bool:
 
 
 def _is_debian() -> bool:
-    return OS_RELEASE.exists() and "ID=debian" in OS_RELEASE.read_text().splitlines()
+    return (
+        OS_RELEASE.exists() and "ID=debian" in OS_RELEASE.read_text(encoding="utf-8").splitlines()
+    )

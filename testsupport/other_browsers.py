@@ -126,7 +126,7 @@ def firefox() -> Iterator[OtherBrowser]:
     """
     program = _program("firefox-esr", "firefox")
     with tempfile.TemporaryDirectory(prefix="tril-firefox-") as profile:
-        Path(profile, "user.js").write_text(FIREFOX_PREFERENCES)
+        Path(profile, "user.js").write_text(FIREFOX_PREFERENCES, encoding="utf-8")
         port = free_port()
         command = [program, "--headless", "--no-remote", "--profile", profile]
         with _running([*command, f"--remote-debugging-port={port}"], {}):

@@ -111,7 +111,7 @@ def installed() -> Path | None:
     """Return the folder of the server's packages, in the environment; install them if need be."""
     digest = hashlib.sha256(PACKAGES.read_bytes()).hexdigest()[:12]
     folder = Path(sys.prefix) / f"s3-server-{digest}"
-    with Path(sys.prefix, "s3-server.lock").open("a") as lock:
+    with Path(sys.prefix, "s3-server.lock").open("a", encoding="utf-8") as lock:
         # Tests that run side by side wait for the first.
         fcntl.lockf(lock, fcntl.LOCK_EX)
         if folder.is_dir():

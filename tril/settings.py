@@ -101,6 +101,13 @@ class Settings(BaseSettings):
     learning_precision: Literal["auto", "float32", "bfloat16"] = "auto"
     learning_device: Literal["auto", "cpu", "cuda"] = "auto"
 
+    @field_validator("data", mode="before")
+    @classmethod
+    def _is_named(cls, value: Any) -> Any:
+        if value == "":
+            raise ValueError("name a folder, or leave the setting out")
+        return value
+
     @field_validator("data")
     @classmethod
     def _absolute(cls, value: Path) -> Path:

@@ -212,7 +212,7 @@ def _learns_from_its_ranking(line: Line) -> bool:
 def _lines(path: Path, weights: str) -> list[Line]:
     """Read the trainings with such weights, of those of the same kind and seed the last one."""
     found = {}
-    for text in path.read_text().splitlines():
+    for text in path.read_text(encoding="utf-8").splitlines():
         line = {**NOT_ASKED, **json.loads(text)}
         if line.get("weights") != weights:
             continue

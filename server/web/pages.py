@@ -70,7 +70,7 @@ class Frontend:
     def stylesheets(self) -> list[str]:
         """Paths of the stylesheets that the application's page has; none without a build."""
         try:
-            page = self.index.read_text()
+            page = self.index.read_text(encoding="utf-8")
         except Unavailable:
             return []
         return re.findall(r'<link rel="stylesheet"[^>]* href="([^"]+)"', page)

@@ -60,7 +60,7 @@ def load_secrets(path: Path) -> Secrets:
     if not path.exists():
         _make_secrets(path)
     try:
-        data = json.loads(path.read_text())
+        data = json.loads(path.read_text(encoding="utf-8"))
         found = Secrets(data["token"], bytes.fromhex(data["cookie_key"]))
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise Unavailable(

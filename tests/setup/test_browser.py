@@ -81,7 +81,7 @@ def test_root_on_debian_gets_debians_package(
     monkeypatch.setattr(os, "geteuid", lambda: 0)
     install_chromium()
     assert find_chromium() == str(programs / "chromium")
-    assert apt_log.read_text().splitlines() == [
+    assert apt_log.read_text(encoding="utf-8").splitlines() == [
         "update",
         "install --yes --no-install-recommends chromium",
     ]
@@ -96,7 +96,7 @@ def test_processes_that_ask_at_once_wait_for_one_to_install(
         asked = [pool.submit(install_chromium) for _ in range(3)]
     assert [one.exception() for one in asked] == [None] * 3
     assert find_chromium() == str(programs / "chromium")
-    assert len(apt_log.read_text().splitlines()) == 2
+    assert len(apt_log.read_text(encoding="utf-8").splitlines()) == 2
 
 
 def test_everybody_else_gets_playwrights_download(programs: Path, apt_log: Path) -> None:

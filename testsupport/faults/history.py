@@ -106,4 +106,4 @@ class History:
         """Write everything as JSON Lines."""
         entries = [{"request": asdict(request)} for request in self.requests]
         entries += [{"fault": asdict(fault)} for fault in self.faults]
-        path.write_text("".join(f"{json.dumps(entry)}\n" for entry in entries))
+        path.write_text("".join(f"{json.dumps(entry)}\n" for entry in entries), encoding="utf-8")

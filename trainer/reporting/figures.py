@@ -24,6 +24,9 @@ from tril.analysis.extrapolation import JudgedGames, Measure
 from tril.behaviours import Behaviour, Cell, score
 from tril.games.space_invaders.memory import COLUMNS, ROWS
 
+# Not as a matplotlibrc of the current folder or of the home folder has it.
+matplotlib.rcdefaults()
+
 MAP_SCALE = 4
 FRAME_SCALE = 2
 PANELS_PER_ROW = 4

@@ -26,4 +26,4 @@ def lower_priority() -> None:
     os.nice(max(0, NICENESS - os.nice(0)))
     if hasattr(os, "getsid") and os.getsid(0) == os.getpid():
         with suppress(OSError):
-            AUTOGROUP.write_text(str(NICENESS))
+            AUTOGROUP.write_text(str(NICENESS), encoding="utf-8")

@@ -88,7 +88,7 @@ class Response:
 
 def certificate_hash(certificate: Path) -> bytes:
     """Return the hash of the first certificate in a PEM file, which is the one that is shown."""
-    text = certificate.read_text(errors="replace")
+    text = certificate.read_text(encoding="utf-8", errors="replace")
     found = re.search(r"-----BEGIN CERTIFICATE-----.*?-----END CERTIFICATE-----", text, re.DOTALL)
     assert found is not None, "a file without certificates is refused before"
     return sha256(ssl.PEM_cert_to_DER_cert(found[0])).digest()

@@ -64,7 +64,9 @@ def check_pg_dump(engine: Engine) -> None:
     program = shutil.which("pg_dump")
     if program is None:
         raise CopyFailed(f"The database can't be copied: there is no pg_dump. {needed}")
-    said = subprocess.run([program, "--version"], capture_output=True, text=True, check=False)
+    said = subprocess.run(
+        [program, "--version"], capture_output=True, encoding="utf-8", errors="replace", check=False
+    )
     found = re.search(r"\) (\d+)", said.stdout)
     if found is None or int(found[1]) < server:
         raise CopyFailed(
@@ -132,7 +134,8 @@ def _run(url: URL | None, program: str, *arguments: str) -> None:
         env=environ,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
-        text=True,
+        encoding="utf-8",
+        errors="replace",
         check=False,
     )
     if done.returncode:

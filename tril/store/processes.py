@@ -77,7 +77,7 @@ class ProcessIdentity:
 @cache
 def _machine() -> str:
     try:
-        boot = Path("/proc/sys/kernel/random/boot_id").read_text().strip()
+        boot = Path("/proc/sys/kernel/random/boot_id").read_text(encoding="utf-8").strip()
         return f"{boot} {Path('/proc/self/ns/pid').readlink()}"
     except OSError:
         return platform.node()
@@ -93,7 +93,8 @@ def _started(pid: int) -> str | None:
         pass
     try:
         # The name before the closing bracket may hold anything, see proc_pid_stat(5).
-        state, *fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+        stat = Path(f"/proc/{pid}/stat").read_bytes().decode(errors="replace")
+        state, *fields = stat.rpartition(")")[2].split()
     except OSError:
         return ""
     return None if state in "ZX" else fields[18]

@@ -126,7 +126,7 @@ def running_fleet(
 
 
 def _has_started(log: Path) -> bool:
-    return "startup complete" in log.read_text()
+    return "startup complete" in log.read_text(encoding="utf-8")
 
 
 def _stop(process: subprocess.Popen[bytes]) -> None:

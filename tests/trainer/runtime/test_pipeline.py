@@ -138,7 +138,7 @@ def test_a_run_whose_store_goes_away_waits_and_goes_on(workplace: Workplace, sha
     def run_stage(run_id: str, stage: str) -> str:
         if stage == Stage.REWARD:
             shared.rename(shared.with_name("away"))
-            shared.write_text("")
+            shared.write_text("", encoding="utf-8")
         return pipeline.run_stage(run_id, stage)
 
     assert pipeline.train(run_id, run_stage) == GIVEN_BACK

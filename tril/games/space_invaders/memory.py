@@ -8,6 +8,7 @@ them from 1.
 import hashlib
 from enum import IntEnum
 from functools import cache
+from pathlib import Path
 
 from ale_py import roms
 
@@ -143,7 +144,8 @@ SHIELDS = ((42, 50), (74, 82), (106, 114))
 @cache
 def rom_path() -> str:
     """Return the path of the ROM that comes with ale_py."""
-    return str(roms.get_rom_path(GAME))
+    # Not get_rom_path, which looks where ALE_ROMS_DIR says and prints that.
+    return str(Path(roms.__file__).with_name(f"{GAME}.bin"))
 
 
 @cache

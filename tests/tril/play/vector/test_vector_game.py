@@ -355,7 +355,11 @@ def test_invalid_calls_are_refused_without_effect() -> None:
 
 
 def children() -> set[int]:
-    return set(map(int, Path(f"/proc/self/task/{os.getpid()}/children").read_text().split()))
+    return set(
+        map(
+            int, Path(f"/proc/self/task/{os.getpid()}/children").read_text(encoding="utf-8").split()
+        )
+    )
 
 
 def test_closing_leaves_no_process_behind_and_may_be_done_twice() -> None:
