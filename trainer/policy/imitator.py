@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ import numpy as np
 import torch
 from stable_baselines3.common.callbacks import BaseCallback
 
+from trainer.nn.checkpoints import CheckpointDamaged
 from trainer.nn.devices import CPU
 from trainer.nn.precision import Precision
 from trainer.policy.checkpoint import load_checkpoint, save_checkpoint
@@ -37,6 +38,7 @@ from tril.files.artifact_store import write_whole
 from tril.play.episode import Ending
 from tril.play.vector.vector_game import DemonstrationLog, TrainingStarts, VectorGame
 from tril.ranking import best_ranked
+from tril.recording import Recording, replay
 
 CHECKPOINT_INTERVAL_S = 45.0
 """A killed training loses at most this and one rollout."""
@@ -81,6 +83,8 @@ def train_imitator(
     Raises:
         Invalid: A warm start has no policy of the imitator's network to begin with, or GAIL no
             perfect demonstration.
+        CheckpointDamaged: What it goes on from is not as it was written.
+        NotFinite: Learning has diverged.
         RunCancelled: Raised by ``progress``.
     """
     recipe = task.recipe.policy
@@ -123,7 +127,13 @@ def train_imitator(
             reset_num_timesteps=False,
         )
         callback.finish()
-    write_whole(path, (checkpoint_folder / _BEST).read_bytes())
+    best = checkpoint_folder / _BEST
+    try:
+        # Its zip has a checksum of each member.
+        load_network(best)
+    except (Invalid, FileNotFoundError) as error:
+        raise CheckpointDamaged(checkpoint_folder / _CHECKPOINT, error) from error
+    write_whole(path, best.read_bytes())
     snapshots = callback.snapshots
     return ImitatorResult(tuple(snapshots), best_snapshot(snapshots).steps, precision)
 
@@ -152,12 +162,24 @@ def _training_starts(task: ImitationTask) -> TrainingStarts:
     if not share:
         return TrainingStarts(idle_frames, opening_share=opening_share)
     best = best_ranked(task.tiers, task.recipe.policy.best_share)
+    ending = Ending(task.recipe.ending)
     logs = [
-        DemonstrationLog(recording.start, recording.actions)
+        DemonstrationLog(recording.start, _actions_under(ending, recording))
         for recording in (*(task.recordings[i] for i in best), *task.perfect)
         if recording.actions
     ]
     return TrainingStarts(idle_frames, tuple(logs), share, opening_share)
+
+
+def _actions_under(ending: Ending, recording: Recording) -> bytes:
+    """Return a recording's actions until a game under a rule for the player's death is over.
+
+    By the count of lives a game goes on for two seconds after the hit, in which nothing is left to
+    be learned where the hit ends it.
+    """
+    if recording.ending is ending:
+        return recording.actions
+    return recording.until(replay(replace(recording, ending=ending)).n_frames).actions
 
 
 class _Reporter:

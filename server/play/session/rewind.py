@@ -50,7 +50,7 @@ class Checkpoints:
         Blocks, so call it in a thread: it replays up to a second, or from the start if there is no
         nearer state.
         """
-        episode = Episode(console, recording.start)
+        episode = Episode(console, recording.start, recording.ending)
         state = self.latest_until(last)
         if state is not None:
             episode.restore(state)

@@ -136,10 +136,13 @@ class SharedArrays:
 
 
 class DemonstrationStates:
-    """The states before every step of the demonstrations, replayed on first use."""
+    """The states before every step of the demonstrations, replayed on first use by a rule."""
 
-    def __init__(self, logs: tuple[DemonstrationLog, ...], start_cache: StartCache) -> None:
+    def __init__(
+        self, logs: tuple[DemonstrationLog, ...], ending: Ending, start_cache: StartCache
+    ) -> None:
         self._logs = logs
+        self._ending = ending
         self._start_cache = start_cache
         self._states: dict[int, list[bytes]] = {}
 
@@ -150,7 +153,7 @@ class DemonstrationStates:
         return self._states[at.demonstration][at.step]
 
     def _replay(self, log: DemonstrationLog) -> list[bytes]:
-        replay = AgentGame(Console(self._start_cache), max_frames=len(log.actions))
+        replay = AgentGame(Console(self._start_cache), self._ending, len(log.actions))
         replay.reset(log.start)
         states = []
         for frame, action in enumerate(log.actions):
@@ -276,7 +279,9 @@ class GameGroup:
         # In order, since each start is reached from the one before, and now, so that no step waits.
         for start in sorted(config.reset_distribution.possible_starts):
             consoles[0].start(start)
-        demonstrations = DemonstrationStates(config.reset_distribution.demonstrations, start_cache)
+        demonstrations = DemonstrationStates(
+            config.reset_distribution.demonstrations, config.ending, start_cache
+        )
         own = slice(config.games.start, config.games.stop)
         self._half = shared.half[config.part : config.part + 1]
         self._halves = [half[own] for half in shared.observations]

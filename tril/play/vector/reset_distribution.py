@@ -14,6 +14,8 @@ from tril.games.space_invaders.starts import TRAINING_IDLE_FRAMES, Start, Unknow
 class DemonstrationLog:
     """The executed actions of a demonstration, from which its states are replayed.
 
+    By the rule that ends the vector's games, which must not end it before its last frame.
+
     Attributes:
         start: how the demonstration began.
         actions: the action executed at every frame, one byte each.
