@@ -29,7 +29,7 @@ def get_artifact(request: Request, artifact_id: ArtifactId) -> Response:
         row = artifacts.get(session, artifact_id)
     # A run that resumes from a checkpoint may rewrite the file.
     return Response(
-        services.artifacts.get(row.path),
+        artifacts.read(services.artifacts, row),
         media_type=row.media_type,
         headers={
             "Cache-Control": "private, no-cache",

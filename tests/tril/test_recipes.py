@@ -129,7 +129,9 @@ def test_an_impossible_value_is_refused_with_its_range(path: str, value: object,
 
 
 def test_values_that_do_not_go_together_are_refused() -> None:
-    with pytest.raises(Invalid, match=r"n_minibatches must not be more than n_envs \* n_steps"):
+    with pytest.raises(
+        Invalid, match=r"n_minibatches must not be more than half of n_envs \* n_steps"
+    ):
         with_values(FAST, {"policy.n_envs": 1, "policy.n_steps": 4})
 
 

@@ -2,31 +2,95 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import torch
-from safetensors import safe_open
-from safetensors.torch import save
+from safetensors import SafetensorError
+from safetensors.torch import load, save
 from torch import Tensor, nn
 
+from tril.errors import Invalid
 from tril.files.artifact_store import write_whole
+
+_METADATA, _DIGEST = "__metadata__", "sha256"
+
+
+class CheckpointDamaged(Invalid):
+    """A checkpoint that is not as it was written.
+
+    Attributes:
+        path: The file.
+    """
+
+    def __init__(self, path: Path, reason: object) -> None:
+        super().__init__(f"The checkpoint {path} can't be read: {reason}.")
+        self.path = path
+
+
+class NotFinite(Invalid):
+    """A training whose numbers have become infinite or undefined."""
+
+
+def check_finite(what: str, *tensors: Tensor) -> None:
+    """Refuse tensors with infinite or undefined numbers; raises NotFinite.
+
+    Args:
+        what: What they are of, for the message.
+        *tensors: The tensors; those of integers are always finite.
+    """
+    if all(tensor.isfinite().all() for tensor in tensors):
+        return
+    raise NotFinite(
+        f"Learning has diverged: the {what} is no longer a finite number. What was saved before is"
+        " kept. Begin a new training with lower learning rates or another scale of the reward."
+    )
 
 
 def save_tensors(path: Path, tensors: Mapping[str, Tensor], metadata: dict[str, str]) -> None:
-    """Write tensors and text to a file, which is replaced as a whole."""
-    write_whole(path, save({name: t.contiguous() for name, t in tensors.items()}, metadata))
+    """Write tensors and text to a file with a digest of both, which is replaced as a whole.
+
+    Raises:
+        NotFinite: A number is infinite or undefined. The file stays as it was.
+    """
+    check_finite("network", *tensors.values())
+    whole = {name: t.contiguous() for name, t in tensors.items()}
+    metadata = metadata | {_DIGEST: _digest(save(whole, metadata))}
+    write_whole(path, save(whole, metadata))
 
 
 def load_tensors(path: Path) -> tuple[dict[str, Tensor], dict[str, str]]:
     """Return what ``save_tensors`` wrote.
 
     Raises:
-        SafetensorError: The file is not in this format.
+        SafetensorError: The file is not in this format, or is not as it was written. Files of
+            earlier versions have no digest.
     """
-    with safe_open(str(path), framework="pt") as file:
-        tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
-        return tensors, file.metadata() or {}
+    content = path.read_bytes()
+    tensors = load(content)
+    metadata: dict[str, str] = _header_of(content).get(_METADATA, {})
+    written = metadata.pop(_DIGEST, None)
+    if written is not None and written != _digest(content):
+        raise SafetensorError("it was damaged after it had been written")
+    return tensors, metadata
+
+
+def _header_of(content: bytes) -> dict[str, Any]:
+    """Return the header of a safetensors file: its length in eight bytes, then JSON."""
+    header: dict[str, Any] = json.loads(content[8 : 8 + int.from_bytes(content[:8], "little")])
+    return header
+
+
+def _digest(content: bytes) -> str:
+    """Return the SHA-256 digest of a safetensors file's header, but for the digest, and data."""
+    header = _header_of(content)
+    header.get(_METADATA, {}).pop(_DIGEST, None)
+    found = hashlib.sha256(json.dumps(header, sort_keys=True).encode())
+    found.update(memoryview(content)[8 + int.from_bytes(content[:8], "little") :])
+    return found.hexdigest()
 
 
 def prefixed(prefix: str, tensors: Mapping[str, Tensor], separator: str = "/") -> dict[str, Tensor]:

@@ -17,6 +17,7 @@ from safetensors import SafetensorError
 from torch import Tensor
 
 from trainer.nn.checkpoints import (
+    CheckpointDamaged,
     by_prefix,
     load_tensors,
     optimizer_tensors,
@@ -82,12 +83,13 @@ def load_checkpoint(
         What save_checkpoint got as ``extra`` and ``discriminator``.
 
     Raises:
-        Invalid: The file is no checkpoint of this format version.
+        CheckpointDamaged: The file is not as it was written.
+        Invalid: It is no checkpoint of this format version.
     """
     try:
         tensors, metadata = load_tensors(path)
     except SafetensorError as error:
-        raise Invalid(f"{path} cannot be read: {error}. Remove it to begin anew.") from error
+        raise CheckpointDamaged(path, error) from error
     if (metadata.get("format"), metadata.get("version")) != (FORMAT, str(FORMAT_VERSION)):
         raise Invalid(
             f"{path} is no checkpoint that this version can continue from. Remove it and the"

@@ -10,6 +10,7 @@ import torch
 from torch import Tensor
 from torch.nn import functional as F
 
+from trainer.nn.checkpoints import check_finite
 from trainer.nn.devices import CPU, device_of, forward_batch
 from trainer.nn.screens import channels_last_screens, take_screens
 from trainer.policy.networks import ScreenPolicy, new_policy, pretrained_policy
@@ -104,6 +105,7 @@ def train_clone(
     best: tuple[float, dict[str, Tensor], CloneResult] | None = None
     for epoch in range(1, recipe.epochs + 1):
         loss, accuracy = _train_epoch(policy, transitions, recipe, epoch, rng, progress)
+        check_finite("clone", *policy.parameters())
         values = {"loss": loss, "accuracy": accuracy}
         criterion = loss
         result = CloneResult(accuracy, None, epoch)

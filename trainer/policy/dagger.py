@@ -16,6 +16,7 @@ Algorithm 3.1 with these choices:
 from __future__ import annotations
 
 import base64
+import hashlib
 import json
 import time
 from collections.abc import Callable
@@ -27,6 +28,7 @@ import numpy as np
 import numpy.typing as npt
 import torch
 
+from trainer.nn.checkpoints import CheckpointDamaged
 from trainer.nn.devices import CPU
 from trainer.nn.precision import Precision
 from trainer.policy.cloning import CloneResult, train_clone
@@ -287,19 +289,23 @@ class _Training:
 
     def _save(self) -> None:
         """Save the games as their actions, whose replay gives the observations again."""
-        state = {
+        state: dict[str, Any] = {
             "format": FORMAT,
             "version": FORMAT_VERSION,
             "learned_from": self._n_learned,
             "snapshots": [asdict(snapshot) for snapshot in self.snapshots],
             "games": [_to_dict(game) for game in self._games],
         }
+        state["sha256"] = _digest(state)
         write_whole(self._folder / _CHECKPOINT, json.dumps(state).encode())
 
     def _load(self) -> None:
         path = self._folder / _CHECKPOINT
         try:
             state = json.loads(path.read_bytes())
+            # Checkpoints of earlier versions have no digest.
+            if "sha256" in state and state.pop("sha256") != _digest(state):
+                raise CheckpointDamaged(path, "it was damaged after it had been written")
             if (state["format"], state["version"]) != (FORMAT, FORMAT_VERSION):
                 raise Invalid(
                     f"{path} is no checkpoint that this version can continue from. Remove it and"
@@ -312,7 +318,11 @@ class _Training:
                 self._report_steps(self._learned_steps)
                 self._games.append(_from_dict(game, self._game.console))
         except (ValueError, KeyError, TypeError) as error:
-            raise Invalid(f"{path} cannot be read: {error}. Remove it to begin anew.") from error
+            raise CheckpointDamaged(path, error) from error
+
+
+def _digest(state: dict[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(state).encode()).hexdigest()
 
 
 def _to_dict(game: LabelledGame) -> dict[str, Any]:

@@ -19,7 +19,7 @@ import torch
 from torch import Tensor
 from torch.nn import functional as F
 
-from trainer.nn.checkpoints import restore_training, training_tensors
+from trainer.nn.checkpoints import check_finite, restore_training, training_tensors
 from trainer.nn.devices import CPU
 from trainer.nn.screens import channels_last_screens, take_screens
 from trainer.policy.imitation import ImitationTask
@@ -111,6 +111,7 @@ class Discriminator:
             losses.append(loss.detach())
             right.append(((logits.detach() > 0) == (labels > 0)).float().mean())
             on_step()
+        check_finite("discriminator", *self._network.parameters())
         self.rounds += 1
         self._update_model()
         return {

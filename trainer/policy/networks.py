@@ -28,7 +28,7 @@ from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
 from torch import Tensor, nn
 from torch.nn import functional as F
 
-from trainer.nn.checkpoints import load_tensors, save_tensors
+from trainer.nn.checkpoints import check_finite, load_tensors, save_tensors
 from trainer.nn.devices import CPU, device_of, forward_batch
 from trainer.nn.precision import Precision, layer_dtype
 from trainer.nn.screens import channels_last_screens
@@ -233,6 +233,7 @@ def save_policy(policy: ScreenPolicy, path: Path) -> None:
         policy: The policy; its optimizer is not saved.
         path: The file, replaced as a whole.
     """
+    check_finite("policy", *policy.parameters())
     features = policy.features_extractor.features_dim
     plain = PPO(
         ActorCriticCnnPolicy,

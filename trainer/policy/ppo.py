@@ -22,6 +22,7 @@ from stable_baselines3.common.vec_env import VecEnv
 from torch import Tensor
 from torch.nn import functional as F
 
+from trainer.nn.checkpoints import check_finite
 from trainer.nn.devices import CPU, device_of, forward_batch
 from trainer.nn.precision import Precision
 from trainer.nn.screens import channels_last_screens
@@ -107,7 +108,8 @@ class ImitationPPO(PPO):
         super().__init__(
             ScreenPolicy,
             env,
-            learning_rate=(lambda left: rate * left) if recipe.anneal_lr else rate,
+            # The last rollout may end beyond the training's length.
+            learning_rate=(lambda left: rate * max(left, 0.0)) if recipe.anneal_lr else rate,
             n_steps=recipe.n_steps,
             batch_size=recipe.n_envs * recipe.n_steps // recipe.n_minibatches,
             n_epochs=recipe.n_epochs,
@@ -149,6 +151,7 @@ class ImitationPPO(PPO):
             ends = self._play(env.games, rollout_buffer)
         self._last_obs = rollout_buffer.last_screens.numpy()
         rewards, episodes = env.judge(rollout_buffer.all_screens.numpy(), ends)
+        check_finite("reward", torch.from_numpy(rewards))
         for episode in episodes:
             self._on_episode(episode)
         self._bootstrap(rewards, ends)
@@ -278,7 +281,8 @@ class ImitationPPO(PPO):
                     loss, stats = self._loss(minibatch, start_log_probs, kl_coef)
                 self.policy.optimizer.zero_grad()
                 loss.backward()  # type: ignore[no-untyped-call]
-                torch.nn.utils.clip_grad_norm_(self.policy.parameters(), self.max_grad_norm)
+                norm = torch.nn.utils.clip_grad_norm_(self.policy.parameters(), self.max_grad_norm)
+                check_finite("gradient of the imitator", norm, loss)
                 self.policy.optimizer.step()
                 minibatch_stats.append(stats)
                 self._on_step()
@@ -295,7 +299,9 @@ class ImitationPPO(PPO):
         log_all = logits.log_softmax(1)
         log_probs = log_all.gather(1, minibatch.actions[:, None])[:, 0]
         advantages = minibatch.advantages
-        advantages = (advantages - advantages.mean()) / (advantages.std() + 1e-8)
+        # One step has no standard deviation, see stable-baselines3's #1028.
+        if len(advantages) > 1:
+            advantages = (advantages - advantages.mean()) / (advantages.std() + 1e-8)
         log_ratio = log_probs - minibatch.old_log_probs
         ratio = log_ratio.exp()
         low, high = 1.0 - self.recipe.clip_range, 1.0 + self.recipe.clip_range

@@ -143,7 +143,7 @@ def read_report(database: Database, store: ArtifactStore, run_id: str) -> RunRep
         "score": score,
         "sticky_action_probability": STICKY_ACTION_PROBABILITY,
     }
-    attention = {r.name: store.get(r.path) for r in files if r.kind.startswith("attention_")}
+    attention = {r.name: artifacts.read(store, r) for r in files if r.kind.startswith("attention_")}
     return RunReport(view, figures, attention)
 
 

@@ -15,9 +15,17 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import torch
+from safetensors import SafetensorError
 from torch.nn import functional as F
 
-from trainer.nn.checkpoints import load_tensors, restore_training, save_tensors, training_tensors
+from trainer.nn.checkpoints import (
+    CheckpointDamaged,
+    check_finite,
+    load_tensors,
+    restore_training,
+    save_tensors,
+    training_tensors,
+)
 from trainer.nn.devices import CPU
 from trainer.progress import Progress
 from trainer.reward.fragment_logits import FragmentLogits, Seed
@@ -139,6 +147,7 @@ class RewardTrainer:
         self._optimizer.zero_grad()
         loss.backward()  # type: ignore[no-untyped-call]
         self._optimizer.step()
+        check_finite("reward model", loss)
         self._recent.append((loss.item(), (logits > 0).float().mean().item()))
 
     def _save(self, update: int) -> None:
@@ -152,7 +161,10 @@ class RewardTrainer:
         """Continue from the checkpoint, if there is one; return the number of updates done."""
         if self._checkpoint is None or not self._checkpoint.exists():
             return 0
-        tensors, metadata = load_tensors(self._checkpoint)
+        try:
+            tensors, metadata = load_tensors(self._checkpoint)
+        except SafetensorError as error:
+            raise CheckpointDamaged(self._checkpoint, error) from error
         restore_training(self.network, self._optimizer, tensors)
         state = json.loads(metadata["state"])
         self._recent = [(loss, accuracy) for loss, accuracy in state["recent"]]

@@ -66,7 +66,7 @@ class Models:
         key = (row.id, row.created_at)
         with self._lock:
             if key not in self._kept:
-                with self._store.local(row.path) as path:
+                with artifacts.local(self._store, row) as path:
                     self._kept[key] = load(path)
                 while len(self._kept) > self._max_kept:
                     self._kept.popitem(last=False)

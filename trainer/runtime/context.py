@@ -135,7 +135,8 @@ class RunContext:
         size = self.artifacts.put(artifact_rows.path_of(self.run_id, name), content)
         with self.database.writing() as session:
             leases.owned(session, self.lease)
-            artifact_rows.save(session, self.run_id, kind, name, media_type, size, details)
+            digest = artifact_rows.digest(content)
+            artifact_rows.save(session, self.run_id, kind, name, media_type, size, details, digest)
 
     def finish_stage(self, stage: Stage, seconds: float, found: RunOutcome | None = None) -> None:
         """Write that a stage is finished, and what it has found, in one transaction."""

@@ -20,6 +20,7 @@ import torch
 from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 
+from trainer.nn.checkpoints import CheckpointDamaged
 from trainer.nn.devices import free_memory
 from trainer.progress import RunCancelled
 from trainer.runtime.context import RunContext, StageProgress, WorkerStopping
@@ -44,9 +45,20 @@ from tril.store import behaviours
 from tril.store.database import Database, is_away, is_busy
 from tril.store.models import RunStatus
 from tril.store.training import leases, runs
+from tril.store.training.artifacts import ArtifactDamaged
 from tril.store.training.leases import Lease, LeaseLost
 
 log = logging.getLogger(__name__)
+
+MADE_BY = {
+    "reward_model": Stage.REWARD,
+    "clone": Stage.CLONE,
+    "imitator": Stage.IMITATOR,
+    "attention_map": Stage.ATTENTION,
+    "attention_frame": Stage.ATTENTION,
+    "attention_red_blue": Stage.ATTENTION,
+}
+"""The stage that makes each kind of file that later stages read."""
 
 FINISHED = "finished"
 LEASE_LOST = "leased to another worker"
@@ -235,6 +247,8 @@ class Pipeline:
                 # Nothing is wrong with the run. If it can't be given back, its lease is revoked.
                 log.warning("Run %s: the database can't be written: %s", run_id, problem.orig)
                 return self._leave(lease, leases.release, GIVEN_BACK)
+            if (repaired := self._repair(data, stage, problem)) is not None:
+                return repaired
             # The one catch-all: the person is told and the worker lives on.
             self._write_log(run_id, stage)
             log.exception("Run %s: stage %s failed.", run_id, stage)
@@ -253,6 +267,36 @@ class Pipeline:
         seconds = progress.seconds()
         context.finish_stage(stage, seconds, found)
         log.info("Run %s: stage %s is finished after %.1f s.", context.run_id, stage, seconds)
+
+    def _repair(self, data: RunData, stage: Stage, problem: Exception) -> str | None:
+        """Give a run back to the queue if what it goes on from was damaged and can be made again.
+
+        A damaged checkpoint is removed, so that the stage begins anew; the stage that has made a
+        damaged file is done again.
+
+        Returns:
+            How the run left this worker; None if nothing can be done about the problem.
+        """
+        context = data.context
+        if isinstance(problem, CheckpointDamaged):
+            problem.path.unlink(missing_ok=True)
+            again = stage
+        elif isinstance(problem, ArtifactDamaged) and problem.run_id == context.run_id:
+            if problem.kind not in MADE_BY:
+                return None
+            again = MADE_BY[problem.kind]
+        else:
+            return None
+        self._write_log(context.run_id, stage)
+        message = f"{problem} The stage \u201c{again.label}\u201d is done again."
+        log.warning("Run %s: %s", context.run_id, message)
+
+        def write(session: Session, lease: Lease) -> None:
+            stages = stages_of(context.run.example)
+            leases.reopen_stages(session, lease, stages[stages.index(again) :])
+            leases.release(session, lease, message)
+
+        return self._leave(context.lease, write, GIVEN_BACK)
 
     def _fetch_checkpoints(self, run_id: str) -> None:
         if self._copies_checkpoints:
@@ -297,7 +341,7 @@ class Pipeline:
         path = self._settings.data / "logs" / "runs" / f"{run_id}.log"
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            with path.open("a") as file:
+            with path.open("a", encoding="utf-8") as file:
                 file.write(f"{datetime.now(UTC).isoformat()} stage {stage}\n")
                 traceback.print_exc(file=file)
         except OSError as problem:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
+from typing import TypeVar
 
 from trainer.policy.networks import Policy, load_policy
 from trainer.progress import NullProgress, Progress
@@ -17,6 +18,9 @@ from tril.games.atari.console import Console
 from tril.recording import Recording, RecordingRefused, Trajectory, trajectory
 from tril.store import recordings
 from tril.store.training import artifacts
+from tril.store.training.artifacts import ArtifactDamaged
+
+_Network = TypeVar("_Network")
 
 REWARD_MODEL = "reward-model.safetensors"
 NETWORK = "application/octet-stream"
@@ -131,14 +135,23 @@ class RunData:
     def reward_model(self) -> RewardModel:
         """The run's reward model, from the artifact store."""
         if self._reward_model is None:
-            with self.artifact_file("reward_model") as path:
-                self._reward_model = RewardModel.load(path)
+            self._reward_model = self._load("reward_model", RewardModel.load)
         return self._reward_model
 
     def actor(self, kind: str) -> Policy:
         """Return the "imitator" or the "clone", from the artifact store."""
+        return self._load(kind, load_policy)
+
+    def _load(self, kind: str, load: Callable[[Path], _Network]) -> _Network:
+        """Load a network; raises ArtifactDamaged if its file can't be read.
+
+        That is how damage shows in files of earlier versions, which have no digest.
+        """
         with self.artifact_file(kind) as path:
-            return load_policy(path)
+            try:
+                return load(path)
+            except Invalid as error:
+                raise ArtifactDamaged(self.context.run_id, kind) from error
 
     def artifact_file(self, kind: str) -> AbstractContextManager[Path]:
         """Give the run's artifact of a kind as a file on this machine."""

@@ -350,14 +350,19 @@ def _replayed(archive: RunArchive) -> dict[int, tuple[Recording, Replay]]:
 
 def _put_files(
     store: ArtifactStore, archive: RunArchive, folder: str
-) -> dict[str, tuple[str, int]]:
-    """Write the run's files; return their names and sizes by kind of network or picture's name."""
+) -> dict[str, tuple[str, int, str]]:
+    """Write the run's files.
+
+    Returns:
+        Their names, sizes and digests by kind of network or picture's name.
+    """
     files = {kind: (NETWORKS[kind], content) for kind, content in archive.networks.items()}
     files |= {name: (name, content) for name, content in archive.pictures.items()}
     written = {}
     for key, (name, content) in files.items():
         plain = name.rpartition("/")[2]
-        written[key] = (plain, store.put(f"{folder}/{plain}", content))
+        size = store.put(f"{folder}/{plain}", content)
+        written[key] = (plain, size, artifacts.digest(content))
     return written
 
 
@@ -456,16 +461,16 @@ def _name_files(
     session: Session,
     run: RunObject,
     ids: Mapping[int, int],
-    files: Mapping[str, tuple[str, int]],
+    files: Mapping[str, tuple[str, int, str]],
 ) -> None:
     for kind in NETWORKS:
-        name, size = files[kind]
-        artifacts.save(session, run.id, kind, name, _BYTES, size)
+        name, size, digest = files[kind]
+        artifacts.save(session, run.id, kind, name, _BYTES, size, sha256=digest)
     for state in run.attention:
         details = _moved(state, ids).model_dump(mode="json")
         for kind in PICTURES:
-            name, size = files[picture_name(state.state, kind)]
-            artifacts.save(session, run.id, kind, name, PNG, size, details)
+            name, size, digest = files[picture_name(state.state, kind)]
+            artifacts.save(session, run.id, kind, name, PNG, size, details, digest)
 
 
 def _keep_percentiles(

@@ -6,6 +6,7 @@ first. Several processes may share a folder.
 
 from __future__ import annotations
 
+import hashlib
 import logging
 import os
 import threading
@@ -17,6 +18,8 @@ from tril.files.artifact_store import write_whole
 
 _LOG = logging.getLogger(__name__)
 
+_DIGEST_BYTES = 16
+"""Of the digest that each file begins with."""
 _SWEPT_TO = 0.9
 """Share of the limit left by a sweep, so that not every new file causes one."""
 _ABANDONED_AFTER_S = 600.0
@@ -66,12 +69,15 @@ class Cache:
         _check_name(name)
         path = self._folder / name
         try:
-            content = path.read_bytes()
+            digest, content = _parted(path.read_bytes())
             os.utime(path)
         except FileNotFoundError:
             return None
         except OSError as error:
             _LOG.warning("The cached file %s can't be read: %s", name, error)
+            return None
+        if digest != _digest(content):
+            _LOG.warning("The cached file %s was damaged; it is derived again.", name)
             return None
         return content
 
@@ -79,7 +85,7 @@ class Cache:
         if len(content) > self._limit_bytes:
             return
         try:
-            write_whole(self._folder / name, content)
+            write_whole(self._folder / name, _digest(content) + content)
         except OSError as error:
             _LOG.warning("The file %s could not be cached: %s", name, error)
             return
@@ -116,6 +122,15 @@ class Cache:
             else:
                 used += size
         return used
+
+
+def _parted(file: bytes) -> tuple[bytes, bytes]:
+    """Return a cached file's digest and its content."""
+    return file[:_DIGEST_BYTES], file[_DIGEST_BYTES:]
+
+
+def _digest(content: bytes) -> bytes:
+    return hashlib.blake2b(content, digest_size=_DIGEST_BYTES).digest()
 
 
 def _check_name(name: str) -> None:

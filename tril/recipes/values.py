@@ -14,6 +14,11 @@ MAX_DAGGER_STEPS = 60_000
 
 MAX_COUNT = 1_000_000_000
 MAX_STEP_NUMBERS = 10_000
+MAX_FACTOR = 1_000
+"""Squares of rewards that are larger, summed up over a game, leave little of float32's range."""
+
+MAX_ROLLOUT_STEPS = 262_144
+"""Of all environments: their observations take 7.4 GB."""
 
 
 def _split(value: object) -> object:
@@ -28,8 +33,15 @@ Count = Annotated[
 CountOrNone = Annotated[
     int, Field(ge=0, le=MAX_COUNT, description=f"a whole number from 0 to {MAX_COUNT:,}")
 ]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False, description="a number above 0")]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False, description="a number, at least 0")]
+Positive = Annotated[
+    float, Field(gt=0, le=MAX_FACTOR, allow_inf_nan=False, description="a number above 0")
+]
+NotNegative = Annotated[
+    float, Field(ge=0, le=MAX_FACTOR, allow_inf_nan=False, description="a number, at least 0")
+]
+LearningRate = Annotated[
+    float, Field(gt=0, le=1, allow_inf_nan=False, description="a number above 0")
+]
 Share = Annotated[float, Field(ge=0, le=1, description="a number from 0 to 1")]
 Flag = Annotated[bool, Field(description="true or false")]
 StepNumbers = Annotated[
@@ -79,7 +91,7 @@ class RewardRecipe:
     """
 
     method: Literal["paper", "posterior"] = "paper"
-    learning_rate: Positive = 5e-5
+    learning_rate: LearningRate = 5e-5
     updates: Count = 30_000
     fragment_pairs: CountOrNone = 6_000
     pairs_per_update: Count = 1
@@ -89,6 +101,14 @@ class RewardRecipe:
     aligned: Flag = False
     folds: CountOrNone = 3
     fold_updates: Count = 6_000
+
+    @model_validator(mode="after")
+    def _check_fragments(self) -> RewardRecipe:
+        if self.fragment_min_steps > self.fragment_max_steps:
+            raise ValueError("fragment_min_steps must not be more than fragment_max_steps")
+        if self.folds == 1:
+            raise ValueError("folds must be 0, which skips the measurement, or at least 2")
+        return self
 
     @property
     def pretrained(self) -> bool:
@@ -165,7 +185,7 @@ class PolicyRecipe:
     n_steps: Count = 128
     n_minibatches: Count = 4
     n_epochs: Count = 4
-    learning_rate: Positive = 3e-4
+    learning_rate: LearningRate = 3e-4
     anneal_lr: Flag = False
     gamma: Share = 0.99
     gae_lambda: Share = 0.95
@@ -187,8 +207,13 @@ class PolicyRecipe:
 
     @model_validator(mode="after")
     def _check_minibatches(self) -> PolicyRecipe:
-        if self.n_minibatches > self.n_envs * self.n_steps:
-            raise ValueError("n_minibatches must not be more than n_envs * n_steps")
+        if 2 * self.n_minibatches > self.n_envs * self.n_steps:
+            raise ValueError("n_minibatches must not be more than half of n_envs * n_steps")
+        if self.n_envs * self.n_steps > MAX_ROLLOUT_STEPS:
+            raise ValueError(
+                f"n_envs * n_steps must not be more than {MAX_ROLLOUT_STEPS:,}, which is what fits"
+                " into memory"
+            )
         if self.freeze_convolutions and not self.warm_start:
             raise ValueError(
                 "freeze_convolutions=true needs warm_start=true, a policy to begin with: set it, or"
@@ -216,7 +241,7 @@ class CloningRecipe:
     """
 
     network: Network = "nature"
-    learning_rate: Positive = 3e-4
+    learning_rate: LearningRate = 3e-4
     epochs: Count = 60
     batch_size: Count = 64
     validation_share: Share = 0.17
@@ -267,7 +292,7 @@ class GailRecipe:
         weight_decay: L2 penalty.
     """
 
-    learning_rate: Positive = 1e-4
+    learning_rate: LearningRate = 1e-4
     updates: Count = 8
     batch_size: Count = 64
     weight_decay: NotNegative = 1e-4
@@ -286,6 +311,15 @@ class EvaluationRecipe:
     start_numbers: StartNumbers = (0, 1, 2)
     further_start_numbers: StartNumbers = tuple(range(3, 23))
     openings: Flag = False
+
+    @model_validator(mode="after")
+    def _check_numbers(self) -> EvaluationRecipe:
+        numbers = (*self.start_numbers, *self.further_start_numbers)
+        if not self.start_numbers:
+            raise ValueError("start_numbers must name a start that the policies are judged from")
+        if len(set(numbers)) < len(numbers):
+            raise ValueError("start_numbers and further_start_numbers must name no start twice")
+        return self
 
 
 @dataclass(frozen=True)
@@ -329,6 +363,11 @@ class Recipe:
             ordered: Whether its targets have an order.
         """
         return (ordered and self.ordered_steps) or self.default_steps
+
+    @property
+    def begins_with_clone(self) -> bool:
+        """Whether PPO begins with a policy that is there already: the clone, or a parent's."""
+        return self.method != "dagger" and self.policy.warm_start
 
     @property
     def warm_up_steps(self) -> int:

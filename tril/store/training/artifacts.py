@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,11 +11,27 @@ from typing import Any
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from tril.errors import NotFound
+from tril.errors import NotFound, Unavailable
 from tril.files.artifact_store import ArtifactStore
 from tril.store.changes import note_change
 from tril.store.database import Database
 from tril.store.models import ArtifactRow, now
+
+
+class ArtifactDamaged(Unavailable):
+    """A file of a run whose content is not what was written.
+
+    Attributes:
+        run_id: The run.
+        kind: What the file is.
+    """
+
+    def __init__(self, run_id: str, kind: str) -> None:
+        super().__init__(
+            f"A file of this training, its {kind.replace('_', ' ')}, was damaged after it had been"
+            " written. Check the disk, and take the file from a backup or train again."
+        )
+        self.run_id, self.kind = run_id, kind
 
 
 def folder_of(run_id: str) -> str:
@@ -35,14 +52,27 @@ def save(
     media_type: str,
     size_bytes: int,
     details: dict[str, Any] | None = None,
+    sha256: str | None = None,
 ) -> ArtifactRow:
-    """Add or replace the row of a file that lies in the artifact store."""
+    """Add or replace the row of a file that lies in the artifact store.
+
+    Args:
+        session: The transaction.
+        run_id: The run.
+        kind: What it is.
+        name: Its name, which is unique in the run.
+        media_type: Its media type.
+        size_bytes: Its size.
+        details: Describe it.
+        sha256: Its digest, see ``digest``; None takes it for good whenever it is read.
+    """
     row = find(session, run_id, name)
     if row is None:
         row = ArtifactRow(run_id=run_id, name=name)
         session.add(row)
     row.kind, row.path, row.media_type = kind, path_of(run_id, name), media_type
     row.size_bytes, row.details, row.created_at = size_bytes, details or {}, now()
+    row.sha256 = sha256
     session.flush()
     note_change(session, "run", run_id)
     return row
@@ -74,11 +104,39 @@ def local_file(database: Database, store: ArtifactStore, run_id: str, kind: str)
 
     Raises:
         NotFound: The run has none yet.
+        ArtifactDamaged: Its content is not what was written.
     """
     with database.reading() as session:
-        path = of_kind(session, run_id, kind).path
-    with store.local(path) as file:
+        row = of_kind(session, run_id, kind)
+    with local(store, row) as file:
         yield file
+
+
+@contextmanager
+def local(store: ArtifactStore, row: ArtifactRow) -> Iterator[Path]:
+    """Give a file as a path on this machine; raises ArtifactDamaged if its content has changed."""
+    with store.local(row.path) as file:
+        if row.sha256 is not None:
+            _check(row, file.read_bytes())
+        yield file
+
+
+def read(store: ArtifactStore, row: ArtifactRow) -> bytes:
+    """Return a file's content; raises ArtifactDamaged if it is not what was written."""
+    content = store.get(row.path)
+    _check(row, content)
+    return content
+
+
+def digest(content: bytes) -> str:
+    """Return the digest of a file's content, 64 hexadecimal digits of SHA-256."""
+    return hashlib.sha256(content).hexdigest()
+
+
+def _check(row: ArtifactRow, content: bytes) -> None:
+    # Files of earlier versions have no digest.
+    if row.sha256 is not None and digest(content) != row.sha256:
+        raise ArtifactDamaged(row.run_id, row.kind)
 
 
 def get(session: Session, artifact_id: int) -> ArtifactRow:

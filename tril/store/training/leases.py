@@ -6,7 +6,7 @@ was taken for dead and comes back carries an older one: its writes are refused a
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from sqlalchemy import update
@@ -153,6 +153,12 @@ def finish_stage(session: Session, lease: Lease, stage: str, seconds: float) -> 
     row.finished_stages = {**row.finished_stages, stage: round(seconds, 3)}
     row.stage, row.stage_done = stage, 1.0
     return row
+
+
+def reopen_stages(session: Session, lease: Lease, stages: Collection[str]) -> None:
+    """Write that stages are not finished after all, because what they made was damaged."""
+    row = owned(session, lease)
+    row.finished_stages = {k: v for k, v in row.finished_stages.items() if k not in stages}
 
 
 def end(session: Session, lease: Lease, status: RunStatus, message: str = "") -> None:

@@ -82,6 +82,12 @@ def create(
             )
     if parent_run_id is not None:
         _refuse_unfit_parent(session, behaviour_id, recipe, parent_run_id)
+    elif recipe.begins_with_clone and recipe.cloning.network != recipe.policy.network:
+        raise Invalid(
+            f"policy.warm_start=true begins with the clone, whose network"
+            f" {recipe.cloning.network!r} is not that of the imitator, {recipe.policy.network!r}."
+            " Set policy.network and cloning.network to the same one."
+        )
     if max_queued is not None and _count_queued(session) >= max_queued:
         raise Conflict(
             f"{max_queued} runs are waiting already, and no more may. Wait until one has begun, or"
