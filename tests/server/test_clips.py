@@ -18,6 +18,7 @@ from server.clips.render import FRAMES_PER_PICTURE, PICTURE_MS, brightest
 from tests.server.clients import replayed, stored
 from testsupport.workplace import FRAMES, Workplace
 from tril.errors import Invalid, Unavailable
+from tril.files.cache import sealed
 from tril.games.atari.console import Console
 from tril.games.atari.palette import palette_grayscale, palette_rgb
 from tril.recording import Recording
@@ -90,8 +91,8 @@ def test_what_is_drawn_in_one_frame_of_three_only_is_shown(
 def test_a_clip_is_made_once(client: TestClient, workplace: Workplace) -> None:
     first = clip(client, workplace.ranked[0], "gif")
     (kept,) = workplace.settings.cache_folder.glob("*.gif")
-    assert kept.read_bytes() == first
-    kept.write_bytes(b"kept")
+    assert kept.read_bytes() == sealed(first)
+    kept.write_bytes(sealed(b"kept"))
     assert clip(client, workplace.ranked[0], "gif") == b"kept"
 
 

@@ -10,6 +10,7 @@ from starlette.testclient import TestClient
 from server.storage import StorageMeter, StorageUse, measure
 from testsupport.databases import on_postgresql
 from testsupport.workplace import Workplace
+from tril.files.cache import sealed
 from tril.settings import Settings
 
 
@@ -49,7 +50,7 @@ def test_the_page_is_told_what_the_cache_takes_and_may_take(
     shown = client.get(f"/api/recordings/{workplace.ranked[0]}").json()
     made = client.get(shown[what]).content
     storage = client.get("/api/system").json()["storage"]
-    assert storage["cache_bytes"] == len(made)
+    assert storage["cache_bytes"] == len(sealed(made))
     assert storage["cache_limit_bytes"] == workplace.settings.cache_limit_bytes
     # Those in the data folder, which are SQLite's.
     assert (storage["databases_bytes"] > 10_000) is not on_postgresql()

@@ -69,23 +69,25 @@ class Cache:
         _check_name(name)
         path = self._folder / name
         try:
-            digest, content = _parted(path.read_bytes())
+            file = path.read_bytes()
             os.utime(path)
         except FileNotFoundError:
             return None
         except OSError as error:
             _LOG.warning("The cached file %s can't be read: %s", name, error)
             return None
-        if digest != _digest(content):
+        content = file[_DIGEST_BYTES:]
+        if file != sealed(content):
             _LOG.warning("The cached file %s was damaged; it is derived again.", name)
             return None
         return content
 
     def _keep(self, name: str, content: bytes) -> None:
-        if len(content) > self._limit_bytes:
+        file = sealed(content)
+        if len(file) > self._limit_bytes:
             return
         try:
-            write_whole(self._folder / name, _digest(content) + content)
+            write_whole(self._folder / name, file)
         except OSError as error:
             _LOG.warning("The file %s could not be cached: %s", name, error)
             return
@@ -93,7 +95,7 @@ class Cache:
             if self._used_bytes is None:
                 self._used_bytes = sum(size for _, size, _ in self._files())
             else:
-                self._used_bytes += len(content)
+                self._used_bytes += len(file)
             if self._used_bytes > self._limit_bytes:
                 self._used_bytes = self._sweep()
 
@@ -124,13 +126,9 @@ class Cache:
         return used
 
 
-def _parted(file: bytes) -> tuple[bytes, bytes]:
-    """Return a cached file's digest and its content."""
-    return file[:_DIGEST_BYTES], file[_DIGEST_BYTES:]
-
-
-def _digest(content: bytes) -> bytes:
-    return hashlib.blake2b(content, digest_size=_DIGEST_BYTES).digest()
+def sealed(content: bytes) -> bytes:
+    """Return a cached file: a digest of its content, then the content."""
+    return hashlib.blake2b(content, digest_size=_DIGEST_BYTES).digest() + content
 
 
 def _check_name(name: str) -> None:

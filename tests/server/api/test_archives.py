@@ -16,7 +16,7 @@ from trainer.archive.run_archive import write_archive
 from tril.errors import Unavailable
 from tril.exchange import example
 from tril.files.artifact_store import ArtifactStore
-from tril.files.cache import Cache
+from tril.files.cache import Cache, sealed
 from tril.store import behaviours
 from tril.store.training import runs
 
@@ -34,7 +34,7 @@ def test_a_finished_run_is_downloaded_as_one_zip_which_is_made_once(
         assert {"report.html", "load_policy.py", "policy/imitator.zip"} <= set(archive.namelist())
         assert archive.read("report.html").count(b"data:image/webp;base64,") == 2
     (kept,) = workplace.settings.cache_folder.glob("*.run.zip")
-    kept.write_bytes(b"kept")
+    kept.write_bytes(sealed(b"kept"))
     assert client.get(f"/api/runs/{run_id}/archive.zip").content == b"kept"
 
 

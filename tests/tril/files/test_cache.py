@@ -55,11 +55,11 @@ def test_concurrent_callers_make_a_file_once(tmp_path: Path) -> None:
 def test_the_limit_holds_and_the_longest_unused_goes_first(tmp_path: Path) -> None:
     cache = Cache(tmp_path, 1000)
     for number in range(9):
-        cache.get(f"{number}.x", lambda: bytes(100))
+        cache.get(f"{number}.x", lambda: bytes(84))
         os.utime(tmp_path / f"{number}.x", (1000 + number, 1000 + number))
     cache.get("0.x", lambda: pytest.fail("it is there"))
     for number in (9, 10):
-        cache.get(f"{number}.x", lambda: bytes(100))
+        cache.get(f"{number}.x", lambda: bytes(84))
     left = {path.name for path in tmp_path.iterdir()}
     assert sum((tmp_path / name).stat().st_size for name in left) <= 1000
     assert {"0.x", "9.x", "10.x", "8.x"} <= left
@@ -92,7 +92,7 @@ def test_temporary_files_of_killed_processes_are_removed(tmp_path: Path) -> None
     (tmp_path / ".b.x-tmp").write_bytes(bytes(50))
     old = time.time() - 3600
     os.utime(tmp_path / ".a.x-tmp", (old, old))
-    Cache(tmp_path, 60).get("c.x", lambda: bytes(40))
+    Cache(tmp_path, 60).get("c.x", lambda: bytes(24))
     assert {path.name for path in tmp_path.iterdir()} == {".b.x-tmp", "c.x"}
 
 
