@@ -1,6 +1,7 @@
 import { QueryClient } from "@tanstack/react-query";
 
 import { ProblemError } from "@/api/client";
+import { setUnsaved } from "@/lib/browser/drafts";
 
 const RETRIES = 2;
 
@@ -9,7 +10,7 @@ const RETRIES = 2;
  * browser says that it is offline: Tril may run on this machine, or the browser be wrong.
  */
 export function createQueryClient(): QueryClient {
-  return new QueryClient({
+  const client = new QueryClient({
     defaultOptions: {
       queries: {
         staleTime: 30_000,
@@ -22,4 +23,8 @@ export function createQueryClient(): QueryClient {
       mutations: { networkMode: "always" },
     },
   });
+  client
+    .getMutationCache()
+    .subscribe(() => setUnsaved("what is being sent", client.isMutating() > 0));
+  return client;
 }

@@ -1,6 +1,6 @@
 import { afterEach, beforeEach, describe, expect, it } from "vitest";
 
-import { areNotificationsOn, turnNotificationsOff } from "@/lib/notifications";
+import { areNotificationsOn, turnNotificationsOff } from "@/lib/browser/notifications";
 import { ofBrowser, ofTab } from "@/lib/storage";
 
 import { denyStorage } from "../support/storage";

@@ -3,7 +3,7 @@ import "@testing-library/jest-dom/vitest";
 import { cleanup, configure } from "@testing-library/react";
 import { afterEach, vi } from "vitest";
 
-import { forgetDrafts } from "@/components/controls/drafts";
+import { forgetDrafts } from "@/lib/browser/drafts";
 
 // Pages load in parts, which takes jsdom longer than the usual second where the machine has other
 // work. A test waits this long only when it fails.

@@ -12,6 +12,7 @@ import { Button, ButtonLink } from "@/components/controls/Button";
 import { useDraft } from "@/components/controls/drafts";
 import { Field } from "@/components/controls/Field";
 import { FormDialog } from "@/components/controls/FormDialog";
+import { forgetDrafts } from "@/lib/browser/drafts";
 import { type Language, LANGUAGES, readLanguage, setLanguage } from "@/app/language";
 
 import styles from "./PlayerMenu.module.css";
@@ -57,7 +58,11 @@ function RenameDialog({
   });
   const leave = useMutation({
     mutationFn: signOut,
-    onSuccess: () => connection.update({ authorised: false }),
+    onSuccess: () => {
+      // The next person to sign in here is another one.
+      forgetDrafts();
+      connection.update({ authorised: false });
+    },
   });
   const answered = rename.error && refused === value ? messageOf(rename.error) : null;
   const problem = value.trim() ? answered : t`Enter a name.`;

@@ -7,7 +7,7 @@ import { activeRunsQuery, resultsQuery } from "@/api/runs";
 import type { Run } from "@/api/types";
 import { useToast } from "@/components/feedback/Toasts";
 import { useOnlyPlays } from "@/components/people/use-only-plays";
-import { notify } from "@/lib/notifications";
+import { notify } from "@/lib/browser/notifications";
 
 /** Follows the runs that are not over: announces each that ends; returns the tab's title or null. */
 export function useActiveRuns(): string | null {

@@ -1,7 +1,6 @@
-import { useState } from "react";
+import { useState, useSyncExternalStore } from "react";
 
-/** What was typed into dialogs that were closed before it was saved, until the page is left. */
-const drafts = new Map<string, unknown>();
+import { dropDraft, readDraft, subscribeToDrafts, writeDraft } from "@/lib/browser/drafts";
 
 export interface Draft<T> {
   readonly value: T;
@@ -10,20 +9,31 @@ export interface Draft<T> {
   readonly drop: () => void;
 }
 
-/** The content of a form that a dialog loses neither to Escape nor to a click beside it. */
+/** The content of a form that neither closing it nor leaving or reloading the page loses. */
 export function useDraft<T>(key: string, initial: T): Draft<T> {
-  const [value, setValue] = useState(() => (drafts.has(key) ? (drafts.get(key) as T) : initial));
+  const [value, setValue] = useState(() => {
+    const kept = readDraft(key);
+    return isLike(kept, initial) ? kept : initial;
+  });
   return {
     value,
     set: (next) => {
-      drafts.set(key, next);
+      if (JSON.stringify(next) === JSON.stringify(initial)) dropDraft(key);
+      else writeDraft(key, next);
       setValue(next);
     },
-    drop: () => drafts.delete(key),
+    drop: () => dropDraft(key),
   };
 }
 
-/** Forgets all of them, as leaving the page does. */
-export function forgetDrafts(): void {
-  drafts.clear();
+/** Whether there is a draft. */
+export function useHasDraft(key: string): boolean {
+  return useSyncExternalStore(subscribeToDrafts, () => readDraft(key) !== undefined);
+}
+
+/** Whether a draft is of this version of its form. */
+function isLike<T>(kept: unknown, initial: T): kept is T {
+  if (typeof kept !== typeof initial || kept === null) return false;
+  if (typeof initial !== "object" || initial === null) return true;
+  return Object.keys(initial).every((name) => name in (kept as object));
 }

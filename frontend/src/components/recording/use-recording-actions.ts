@@ -16,7 +16,8 @@ import { isUndecided, recordingName } from "@/lib/recordings";
 
 interface RecordingActions {
   setPerfect: (recording: Recording, perfect: boolean) => void;
-  setNotes: (recording: Recording, notes: string) => void;
+  /** Settles when they are saved or refused, which is said. */
+  setNotes: (recording: Recording, notes: string) => Promise<unknown>;
   /** Puts an undecided or unfinished game into the library. */
   keep: (recording: Recording) => void;
   remove: (recording: Recording) => void;
@@ -104,7 +105,7 @@ export function useRecordingActions(behaviourId: number): RecordingActions {
 
   return {
     setPerfect: ({ id }, perfect) => update.mutate({ id, body: { perfect } }),
-    setNotes: ({ id }, notes) => update.mutate({ id, body: { notes } }),
+    setNotes: ({ id }, notes) => update.mutateAsync({ id, body: { notes } }),
     keep: ({ id }) => keep.mutate(id),
     remove: (recording) => remove.mutate(recording),
     restore: ({ id }) => restore.mutate(id),

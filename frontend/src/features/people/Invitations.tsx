@@ -1,13 +1,13 @@
 import { t } from "@lingui/core/macro";
 import { Plural, Trans } from "@lingui/react/macro";
 import { useMutation, useQuery } from "@tanstack/react-query";
-import { useState } from "react";
 
 import { behavioursQuery } from "@/api/behaviours";
 import { messageOf } from "@/api/client";
 import { createInvitation, invitationsQuery, revokeInvitation } from "@/api/people";
 import type { Invitation } from "@/api/types";
 import { Button } from "@/components/controls/Button";
+import { useDraft } from "@/components/controls/drafts";
 import { Field } from "@/components/controls/Field";
 import { Failed, Loading, Notice } from "@/components/feedback/States";
 import { moment } from "@/lib/format";
@@ -80,14 +80,18 @@ function Use({ of: invitation }: { of: Invitation }) {
 
 function NewInvitationForm({ onMade }: { onMade: () => void }) {
   const { data: behaviours = [] } = useQuery(behavioursQuery);
-  const [name, setName] = useState("");
-  const [to, setTo] = useState("");
-  const [uses, setUses] = useState(USES.default);
-  const [days, setDays] = useState(DAYS.default);
+  const draft = useDraft("invitation", {
+    name: "",
+    to: "",
+    uses: USES.default,
+    days: DAYS.default,
+  });
+  const { name, to, uses, days } = draft.value;
+  const set = (part: Partial<typeof draft.value>) => draft.set({ ...draft.value, ...part });
   const make = useMutation({
     mutationFn: createInvitation,
     onSuccess: () => {
-      setName("");
+      set({ name: "" });
       onMade();
     },
   });
@@ -117,7 +121,7 @@ function NewInvitationForm({ onMade }: { onMade: () => void }) {
             value={name}
             maxLength={80}
             required
-            onChange={(event) => setName(event.currentTarget.value)}
+            onChange={(event) => set({ name: event.currentTarget.value })}
           />
         )}
       </Field>
@@ -126,7 +130,7 @@ function NewInvitationForm({ onMade }: { onMade: () => void }) {
           <select
             {...control}
             value={chosen}
-            onChange={(event) => setTo(event.currentTarget.value)}
+            onChange={(event) => set({ to: event.currentTarget.value })}
           >
             {behaviours.map((behaviour) => (
               <option key={behaviour.id} value={behaviour.id}>
@@ -137,8 +141,18 @@ function NewInvitationForm({ onMade }: { onMade: () => void }) {
           </select>
         )}
       </Field>
-      <Bound label={t`People it lets in`} most={USES.most} value={uses} onChange={setUses} />
-      <Bound label={t`Days it is valid`} most={DAYS.most} value={days} onChange={setDays} />
+      <Bound
+        label={t`People it lets in`}
+        most={USES.most}
+        value={uses}
+        onChange={(next) => set({ uses: next })}
+      />
+      <Bound
+        label={t`Days it is valid`}
+        most={DAYS.most}
+        value={days}
+        onChange={(next) => set({ days: next })}
+      />
       <Button kind="primary" type="submit" disabled={!name.trim() || make.isPending}>
         <Trans>Make a link</Trans>
       </Button>

@@ -1,12 +1,12 @@
 import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 import { useMutation, useQuery } from "@tanstack/react-query";
-import { useState } from "react";
 
 import { messageOf } from "@/api/client";
 import { createKey, keysQuery, revokeKey } from "@/api/people";
 import type { KeyNew } from "@/api/types";
 import { Button } from "@/components/controls/Button";
+import { useDraft } from "@/components/controls/drafts";
 import { Field } from "@/components/controls/Field";
 import { Failed, Loading, Notice } from "@/components/feedback/States";
 import { moment } from "@/lib/format";
@@ -20,12 +20,12 @@ import { roleName } from "./words";
 export function Keys() {
   const { data: keys, error, refetch } = useQuery(keysQuery);
   const revoke = useMutation({ mutationFn: revokeKey, onSettled: () => void refetch() });
-  const [name, setName] = useState("");
-  const [role, setRole] = useState<KeyNew["role"]>("researcher");
+  const draft = useDraft<Pick<KeyNew, "name" | "role">>("key", { name: "", role: "researcher" });
+  const { name, role } = draft.value;
   const make = useMutation({
     mutationFn: createKey,
     onSuccess: () => {
-      setName("");
+      draft.set({ name: "", role: "researcher" });
       void refetch();
     },
   });
@@ -71,7 +71,7 @@ export function Keys() {
               value={name}
               maxLength={80}
               required
-              onChange={(event) => setName(event.currentTarget.value)}
+              onChange={(event) => draft.set({ name: event.currentTarget.value, role })}
             />
           )}
         </Field>
@@ -80,7 +80,9 @@ export function Keys() {
             <select
               {...control}
               value={role}
-              onChange={(event) => setRole(event.currentTarget.value as KeyNew["role"])}
+              onChange={(event) =>
+                draft.set({ name, role: event.currentTarget.value as KeyNew["role"] })
+              }
             >
               <option value="researcher">{t`The same as a researcher`}</option>
               <option value="owner">{t`Everything that you may do`}</option>

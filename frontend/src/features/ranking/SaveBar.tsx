@@ -47,13 +47,18 @@ export function SaveError({ error, saver }: { error: unknown; saver: RankingSave
         {isPassing(error) && (
           <>
             {" "}
-            <Trans>Tril tries again by itself; your order stays on this page.</Trans>
+            <Trans>Tril tries again by itself, also while you look at other pages.</Trans>
           </>
         )}
       </p>
       <Button onClick={() => saver.retry()}>
         <Trans>Try again</Trans>
       </Button>
+      {!isPassing(error) && (
+        <Button onClick={() => saver.giveUp()}>
+          <Trans>Back to the saved order</Trans>
+        </Button>
+      )}
     </Notice>
   );
 }

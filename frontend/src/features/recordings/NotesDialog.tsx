@@ -16,7 +16,7 @@ export function NotesDialog({
   onClose,
 }: {
   recording: Recording;
-  onSave: (notes: string) => void;
+  onSave: (notes: string) => Promise<unknown>;
   onClose: () => void;
 }) {
   const notes = useDraft(`note ${recording.id}`, recording.notes);
@@ -26,8 +26,8 @@ export function NotesDialog({
       draft={notes}
       submit={t`Save note`}
       onSubmit={() => {
-        onSave(notes.value.trim());
-        notes.drop();
+        // If it is refused, it is still there when the dialog is opened again.
+        onSave(notes.value.trim()).then(notes.drop, () => undefined);
         onClose();
       }}
       onClose={onClose}

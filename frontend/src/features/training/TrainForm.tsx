@@ -1,7 +1,7 @@
 import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
-import { type SubmitEvent, useState } from "react";
+import type { SubmitEvent } from "react";
 import { Link, useNavigate } from "react-router";
 
 import { messageOf } from "@/api/client";
@@ -9,6 +9,7 @@ import { createRun, runQuery } from "@/api/runs";
 import { isAlive, systemQuery } from "@/api/system";
 import type { Behaviour, Recipe } from "@/api/types";
 import { Button } from "@/components/controls/Button";
+import { useDraft, useHasDraft } from "@/components/controls/drafts";
 import { Notice } from "@/components/feedback/States";
 import { RunName } from "@/components/RunName";
 import { whole } from "@/lib/format";
@@ -37,9 +38,13 @@ export function TrainForm(props: TrainFormProps) {
   const { behaviour, recipes, first, filledIn, parentId, onParentRemoved } = props;
   const client = useQueryClient();
   const navigate = useNavigate();
-  const [chosen, setChosen] = useState(first.name);
-  /** What the user has edited; kept when the recipe changes. */
-  const [edits, setEdits] = useState<Partial<FormValues>>(filledIn);
+  /** The recipe, and what the user has edited, which is kept when the recipe changes. */
+  const draft = useDraft<{ chosen: string; edits: Partial<FormValues> }>(
+    `train ${behaviour.id} ${first.name} ${JSON.stringify(filledIn)}`,
+    { chosen: first.name, edits: filledIn },
+  );
+  const { chosen, edits } = draft.value;
+  const isOrderUnsaved = useHasDraft(`ranking ${behaviour.id}`);
   const { data: parent } = useQuery({ ...runQuery(parentId ?? ""), enabled: parentId !== null });
   const cancelParent = parent !== undefined && isActive(parent);
   const recipe = recipes.find(({ name }) => name === chosen) ?? first;
@@ -51,13 +56,14 @@ export function TrainForm(props: TrainFormProps) {
   const start = useMutation({
     mutationFn: createRun,
     onSuccess: async (run) => {
+      draft.drop();
       await client.invalidateQueries({ queryKey: ["runs"] });
       await navigate(`/runs/${run.id}`);
     },
   });
 
   function change(part: Partial<FormValues>) {
-    setEdits((before) => ({ ...before, ...part }));
+    draft.set({ chosen, edits: { ...edits, ...part } });
   }
 
   function submit(event: SubmitEvent) {
@@ -86,7 +92,7 @@ export function TrainForm(props: TrainFormProps) {
                 name="recipe"
                 value={name}
                 checked={name === recipe.name}
-                onChange={() => setChosen(name)}
+                onChange={() => draft.set({ chosen: name, edits })}
               />
               <strong>{name}</strong>
               <span>{summary}</span>
@@ -115,6 +121,16 @@ export function TrainForm(props: TrainFormProps) {
       {start.error && (
         <Notice tone="bad" live>
           <p>{messageOf(start.error)}</p>
+        </Notice>
+      )}
+      {isOrderUnsaved && (
+        <Notice live>
+          <p>
+            <Trans>
+              Your last order is not saved yet, and a run would learn from the one before.{" "}
+              <Link to={`/behaviours/${behaviour.id}/rank`}>See to it under Rank.</Link>
+            </Trans>
+          </p>
         </Notice>
       )}
       <WorkerNotice />

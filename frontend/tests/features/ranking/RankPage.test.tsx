@@ -1,8 +1,9 @@
-import { screen, waitFor, within } from "@testing-library/react";
+import { act, cleanup, screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { describe, expect, it, vi } from "vitest";
 
 import type { GameOpinion, Ranking, RankingOpinion, Recording } from "@/api/types";
+import { readDraft, writeDraft } from "@/lib/browser/drafts";
 import { RankPage } from "@/features/ranking/RankPage";
 
 import { behaviour, ranking, recording } from "../../support/data";
@@ -228,6 +229,62 @@ describe("ranking by buttons", () => {
     expect(up).toHaveAttribute("aria-disabled", "true");
     await userEvent.click(up);
     expect(server.asked.filter(({ method }) => method === "PUT")).toEqual([]);
+  });
+});
+
+describe("an order that could not be saved", () => {
+  const refusal = () => new Response('{"detail": "Busy."}', { status: 503 });
+
+  async function openRefused() {
+    const server = await open({ tiers: [[1], [2], [3]], unranked: [4] });
+    const answering = globalThis.fetch;
+    vi.stubGlobal("fetch", (input: Request) =>
+      input.method === "PUT" ? Promise.resolve(refusal()) : answering(input),
+    );
+    await press("Up: Recording 3");
+    await screen.findByText(/The order could not be saved: Busy/);
+    return { ...server, answering };
+  }
+
+  it("outlives the page, and is saved as soon as possible", async () => {
+    const { router, answering, now } = await openRefused();
+    await act(() => router.navigate("/elsewhere"));
+    await screen.findByText("Another page");
+    const leaving = new Event("beforeunload", { cancelable: true });
+    window.dispatchEvent(leaving);
+    expect(leaving.defaultPrevented).toBe(true);
+    await act(() => router.navigate("/"));
+    await screen.findByText(/The order could not be saved: Busy/);
+    expect(board()).toEqual([["1"], ["3"], ["2"]]);
+    await act(() => router.navigate("/elsewhere"));
+    vi.stubGlobal("fetch", answering);
+    window.dispatchEvent(new Event("online"));
+    await waitFor(() => expect(now().tiers).toEqual([[1], [3], [2]]));
+    await waitFor(() => expect(readDraft("ranking 1")).toBeUndefined());
+  });
+
+  it("is there after a reload, and saved unless another was saved meanwhile", async () => {
+    writeDraft("ranking 1", { base: 1, tiers: [[2], [1]] });
+    const server = await open({ tiers: [[1], [2], [3]], unranked: [4] });
+    await waitFor(() => expect(server.now().tiers).toEqual([[2], [1]]));
+    cleanup();
+    writeDraft("ranking 1", { base: 1, tiers: [[4], [1]] });
+    await open({ revision: 7, tiers: [[1], [2], [3]], unranked: [4] });
+    await screen.findByRole("dialog", { name: /changed elsewhere/ });
+  });
+
+  it("can be given up where it is refused for good", async () => {
+    await open({ tiers: [[1], [2], [3]], unranked: [4] });
+    const answering = globalThis.fetch;
+    vi.stubGlobal("fetch", (input: Request) =>
+      input.method === "PUT"
+        ? Promise.resolve(new Response('{"detail": "Recording 3 is gone."}', { status: 422 }))
+        : answering(input),
+    );
+    await press("Up: Recording 3");
+    await press("Back to the saved order");
+    expect(board()).toEqual([["1"], ["2"], ["3"]]);
+    expect(readDraft("ranking 1")).toBeUndefined();
   });
 });
 

@@ -8,7 +8,7 @@ import { NotesDialog } from "@/features/recordings/NotesDialog";
 import { recording } from "../../support/data";
 import { show } from "../../support/page";
 
-const onSave = vi.fn();
+const onSave = vi.fn(() => Promise.resolve());
 
 function Opener() {
   const [open, setOpen] = useState(false);
@@ -52,5 +52,14 @@ describe("a dialog with a form", () => {
     await userEvent.click(screen.getByRole("button", { name: "Save note" }));
     expect(onSave).toHaveBeenCalledWith("calm");
     expect(await open()).toHaveValue("");
+  });
+
+  it("keeps what could not be saved", async () => {
+    onSave.mockImplementationOnce(() => Promise.reject(new Error("Busy.")));
+    show(<Opener />);
+    await userEvent.type(await open(), "steady");
+    await userEvent.click(screen.getByRole("button", { name: "Save note" }));
+    expect(screen.queryByRole("dialog")).toBeNull();
+    expect(await open()).toHaveValue("steady");
   });
 });

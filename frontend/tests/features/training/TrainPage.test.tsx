@@ -1,8 +1,9 @@
-import { fireEvent, screen, waitFor, within } from "@testing-library/react";
+import { act, fireEvent, screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { describe, expect, it } from "vitest";
 
 import type { Behaviour } from "@/api/types";
+import { writeDraft } from "@/lib/browser/drafts";
 import { TrainPage } from "@/features/training/TrainPage";
 
 import { behaviour, recipe, run, system } from "../../support/data";
@@ -38,6 +39,21 @@ describe("training", () => {
     expect(await screen.findByText(/considers only which aliens are hit/)).toBeVisible();
     await userEvent.click(screen.getByRole("radio", { name: /paper/ }));
     expect(screen.queryByText(/considers only which aliens are hit/)).toBeNull();
+  });
+
+  it("keeps what was entered when the page is left, and warns of an order that is not saved", async () => {
+    writeDraft("ranking 1", { base: 1, tiers: [[1], [2]] });
+    const { router } = open(RANKED);
+    await userEvent.click(await screen.findByRole("radio", { name: /paper/ }));
+    const steps = () => screen.getByLabelText(/^Steps/);
+    await userEvent.clear(steps());
+    await userEvent.type(steps(), "1234");
+    expect(screen.getByText(/Your last order is not saved yet/)).toBeVisible();
+    await act(() => router.navigate("/elsewhere"));
+    await screen.findByText("Another page");
+    await act(() => router.navigate("/"));
+    expect(await screen.findByRole("radio", { name: /paper/ })).toBeChecked();
+    expect(steps()).toHaveValue("1234");
   });
 
   it("offers to go on anyway only where the check may stop the run", async () => {

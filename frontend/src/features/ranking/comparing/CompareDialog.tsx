@@ -29,7 +29,12 @@ interface CompareDialogProps {
 export function CompareDialog(props: CompareDialogProps) {
   const { ids, behaviour, recordings, opinions, state, saver, onClose } = props;
   const { tiers } = state;
-  const comparing = useComparing(ids, { tiers, recordings, opinions }, saver);
+  const comparing = useComparing(
+    ids,
+    { tiers, recordings, opinions },
+    saver,
+    `comparing ${behaviour.id}`,
+  );
   const { question } = comparing;
   const game = question && recordings.get(question.id);
   const opponent = question && recordings.get(question.opponent);

@@ -53,8 +53,28 @@ export interface Situation {
   readonly opinions: ReadonlyMap<number, GameOpinion>;
 }
 
-export function begin(queue: readonly number[], situation: Situation): Session {
-  return asking({ queue, steps: [], opinions: new Map(), asked: null }, situation);
+/** Begins a session, with answers that an earlier one left without a place. */
+export function begin(
+  queue: readonly number[],
+  situation: Situation,
+  earlier: OpenAnswers = [],
+): Session {
+  const steps = earlier.flatMap(({ id, answer }) =>
+    queue.includes(id) && tierOf(situation.tiers, id) < 0
+      ? [{ ids: [id], answer, order: null }]
+      : [],
+  );
+  return asking({ queue, steps, opinions: new Map(), asked: null }, situation);
+}
+
+/** Answers about recordings that have no place yet. */
+export type OpenAnswers = readonly { readonly id: number; readonly answer: Answer }[];
+
+/** Returns the answers that closing the session would lose. */
+export function openAnswers({ steps }: Session, { tiers }: Situation): OpenAnswers {
+  return steps.flatMap(({ ids: [id], answer }) =>
+    id !== undefined && answer && tierOf(tiers, id) < 0 ? [{ id, answer }] : [],
+  );
 }
 
 /** Returns the session with what is asked in it, which is the same session if it still can be. */

@@ -1,9 +1,10 @@
 import { plural, t } from "@lingui/core/macro";
-import { useState } from "react";
+import { useEffect, useState } from "react";
 
 import { describePosition } from "@/features/ranking/board/places";
 import { place, sameOrder, tierOf, type Tiers } from "@/features/ranking/order/order";
 import type { RankingSaver } from "@/features/ranking/order/saver";
+import { dropDraft, readDraft, writeDraft } from "@/lib/browser/drafts";
 import { recordingName } from "@/lib/recordings";
 
 import type { Verdict } from "./search";
@@ -11,6 +12,8 @@ import {
   answer,
   asking,
   begin,
+  openAnswers,
+  type OpenAnswers,
   type Question,
   putBelow,
   questionOf,
@@ -47,8 +50,12 @@ export function useComparing(
   queue: readonly number[],
   situation: Situation,
   saver: RankingSaver,
+  /** The name of the draft that keeps answers which have not led to a place yet. */
+  draft: string,
 ): Comparing {
-  const [session, setSession] = useState(() => begin(queue, situation));
+  const [session, setSession] = useState(() =>
+    begin(queue, situation, readDraft(draft) as OpenAnswers | undefined),
+  );
   const [busy, setBusy] = useState(false);
   const [told, setTold] = useState("");
   const { tiers } = situation;
@@ -56,6 +63,11 @@ export function useComparing(
   const current = busy ? session : asking(session, situation);
   if (current !== session) setSession(current);
   const question = questionOf(current, situation);
+  const open = JSON.stringify(openAnswers(current, situation));
+  useEffect(() => {
+    if (open === "[]") dropDraft(draft);
+    else writeDraft(draft, JSON.parse(open));
+  }, [draft, open]);
   const isRanked = (id: number) => tierOf(tiers, id) >= 0;
 
   function go(next: { session: Session; tiers: Tiers }) {

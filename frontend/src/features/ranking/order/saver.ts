@@ -46,11 +46,13 @@ export class RankingSaver {
   /** The newest revision received while the order shown is held. */
   private received: Revision | null = null;
 
-  constructor(saved: Revision, backend: RankingBackend) {
+  /** Begins with the revision that is saved, and an order based on it that is not, if any. */
+  constructor(saved: Revision, backend: RankingBackend, unsaved?: Tiers) {
     this.backend = backend;
+    if (unsaved) this.pending.push(unsaved);
     this.state = {
       saved,
-      tiers: saved.tiers,
+      tiers: unsaved ?? saved.tiers,
       saving: false,
       error: null,
       conflict: null,
@@ -79,6 +81,22 @@ export class RankingSaver {
     else this.pending.push(tiers);
     this.update({ tiers, error: null });
     this.run();
+  }
+
+  /** Whether the order shown would be lost with the page. */
+  isUnsaved(): boolean {
+    return this.pending.length > 0 || this.state.conflict !== null;
+  }
+
+  /** Saves what it began with. */
+  begin(): void {
+    if (this.pending.length > 0 && this.state.error === null && !this.state.conflict) this.run();
+  }
+
+  /** Gives the order shown up for the one that is saved. */
+  giveUp(): void {
+    this.pending = [];
+    this.update({ tiers: this.state.saved.tiers, error: null });
   }
 
   /** Saves again after an error. */

@@ -7,7 +7,7 @@ import { type ClipKind, fetchClip, recordingExportUrl } from "@/api/recordings";
 import type { Recording } from "@/api/types";
 import { Button, DownloadLink } from "@/components/controls/Button";
 import { Notice } from "@/components/feedback/States";
-import { saveFile } from "@/lib/save-file";
+import { saveFile } from "@/lib/browser/save-file";
 
 import styles from "./Downloads.module.css";
 

@@ -1,7 +1,7 @@
 import { t } from "@lingui/core/macro";
 import { Plural, Trans } from "@lingui/react/macro";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
-import { type DragEvent, useState } from "react";
+import { type DragEvent, useEffect, useRef, useState } from "react";
 
 import { messageOf } from "@/api/client";
 import { importRecordings } from "@/api/recordings";
@@ -10,6 +10,7 @@ import { Button } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
 import { Checkbox } from "@/components/controls/Field";
 import { Notice } from "@/components/feedback/States";
+import { useToast } from "@/components/feedback/Toasts";
 import { classes } from "@/lib/classes";
 import { bytes } from "@/lib/format";
 
@@ -31,8 +32,20 @@ export function ImportDialog({
   const [rank, setRank] = useState(false);
   const [perfect, setPerfect] = useState(false);
   const [over, setOver] = useState(false);
+  const toast = useToast();
+  const isOpen = useRef(true);
+  useEffect(() => {
+    isOpen.current = true;
+    return () => {
+      isOpen.current = false;
+    };
+  }, []);
   const send = useMutation({
     mutationFn: (chosen: File) => importRecordings(behaviourId, chosen, { rank, perfect }),
+    onError: (error) => {
+      // It was closed meanwhile, which does not stop what is being sent.
+      if (!isOpen.current) toast(messageOf(error));
+    },
     onSettled: () => {
       void client.invalidateQueries({ queryKey: ["recordings", behaviourId] });
       void client.invalidateQueries({ queryKey: ["ranking", behaviourId] });

@@ -10,7 +10,7 @@ import { chartHint, CurveGroupView } from "@/features/results/curves/CurveGroupV
 import { useMetricsQueries } from "@/features/results/curves/metrics";
 import type { Series } from "@/features/results/curves/series";
 import { runName } from "@/lib/runs";
-import { saveFile } from "@/lib/save-file";
+import { saveFile } from "@/lib/browser/save-file";
 
 import { comparedGroups } from "./compared-curves";
 import type { SeedGroup } from "./compared-runs";

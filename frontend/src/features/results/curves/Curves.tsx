@@ -5,7 +5,7 @@ import { useMemo } from "react";
 
 import { Button } from "@/components/controls/Button";
 import { Failed, Loading } from "@/components/feedback/States";
-import { saveFile } from "@/lib/save-file";
+import { saveFile } from "@/lib/browser/save-file";
 
 import { curvesCsv } from "./csv";
 import { curveGroups } from "./curve-groups";

@@ -2,7 +2,11 @@ import { t } from "@lingui/core/macro";
 import { useState } from "react";
 
 import { Checkbox } from "@/components/controls/Field";
-import { allowNotifications, areNotificationsOn, turnNotificationsOff } from "@/lib/notifications";
+import {
+  allowNotifications,
+  areNotificationsOn,
+  turnNotificationsOff,
+} from "@/lib/browser/notifications";
 
 const refusal = () =>
   t`The browser blocks notifications from this page. Allow them in its settings for this address.`;

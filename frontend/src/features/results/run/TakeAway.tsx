@@ -7,7 +7,7 @@ import { fetchArchive } from "@/api/runs";
 import type { Behaviour, Run } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Notice } from "@/components/feedback/States";
-import { saveFile } from "@/lib/save-file";
+import { saveFile } from "@/lib/browser/save-file";
 
 import styles from "./TakeAway.module.css";
 

@@ -6,6 +6,7 @@ import {
   answer,
   asking,
   begin,
+  openAnswers,
   putBelow,
   questionOf,
   remaining,
@@ -167,6 +168,19 @@ describe("what it is compared with", () => {
     expect(questionOf(session, now)).toMatchObject({ tier: 7 });
     const later = { ...now, opinions: new Map([[101, opinion(0.1)]]) };
     expect(questionOf(session, later)).toMatchObject({ tier: 7 });
+  });
+});
+
+describe("a session that was closed", () => {
+  it("leaves its answers to the next one, if they led to no place", () => {
+    let now = situationOf([[1], [2], [3]]);
+    let session = begin(QUEUE, now);
+    [session, now] = after("equal", session, now);
+    [session, now] = after("worse", session, now);
+    const open = openAnswers(session, now);
+    expect(open).toEqual([{ id: 102, answer: { opponent: 2, verdict: "worse" } }]);
+    expect(questionOf(begin(QUEUE, now, open), now)).toEqual(questionOf(session, now));
+    expect(begin([103], now, open).steps).toEqual([]);
   });
 });
 
