@@ -73,6 +73,8 @@ LOGGING: dict[str, Any] = {
 class Server(uvicorn.Server):
     """uvicorn's server, which on shutdown also ends the event streams that it would wait for."""
 
+    config: ServerConfig
+
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Start, then exclude all present objects from garbage collections.
 

@@ -174,7 +174,7 @@ def _problem(error: ErrorDetails) -> str:
     for name in path:
         hint = get_type_hints(hint, include_extras=True)[name]
     described = [one.description for one in get_args(hint) if isinstance(one, FieldInfo)]
-    expected = context.get("expected") or next(iter(described), "text")
+    expected = str(context.get("expected") or next(iter(described), None) or "text")
     if error["type"] == "less_than_equal" and f"{context['le']:,.0f}" not in expected:
         expected = f"at most {context['le']:,.0f}"
     return f"{'.'.join(path)} must be {expected}, got {_shortened(error['input'])}."

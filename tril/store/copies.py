@@ -127,7 +127,7 @@ def _run(url: URL | None, program: str, *arguments: str) -> None:
         if url.password:
             environ["PGPASSWORD"] = str(url.password)
         # Not a URL: libpq reads neither spaces nor plus signs as SQLAlchemy writes them.
-        place = url.get_dialect()().create_connect_args(url)[1] | {"password": None}
+        place = {**url.get_dialect()().create_connect_args(url)[1], "password": None}
         arguments = (*arguments, "--no-password", f"--dbname={make_conninfo(**place)}")
     done = subprocess.run(
         [program, *arguments],
