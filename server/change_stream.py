@@ -11,7 +11,7 @@ from contextlib import AbstractContextManager, nullcontext
 
 from sqlalchemy.exc import SQLAlchemyError
 
-from tril.store.changes import ChangeReader, prune
+from tril.store.changes import LIBRARY_CHANGED, ChangeReader, prune
 from tril.store.database import Database
 
 _LOG = logging.getLogger(__name__)
@@ -23,6 +23,17 @@ PRUNE_EVERY_POLLS = 1200
 
 Change = tuple[str, str]
 """(topic, key)"""
+
+
+MOST_RECORDINGS = 50
+"""Of more recordings that changed, a page is told that libraries did."""
+
+
+def _together(changes: Collection[Change]) -> Collection[Change]:
+    rest = [change for change in changes if change[0] != "recording"]
+    if len(changes) - len(rest) <= MOST_RECORDINGS:
+        return changes
+    return [*rest, (LIBRARY_CHANGED, "")]
 
 
 class _Listener:
@@ -118,7 +129,7 @@ class ChangeStream:
                 listener.woken.clear()
                 pending, listener.pending = listener.pending, {}
                 changes = list(pending) if visible is None else await visible(list(pending))
-                for topic, key in changes:
+                for topic, key in _together(changes):
                     data = json.dumps({"topic": topic, "key": key})
                     yield f"event: change\ndata: {data}\n\n"
         finally:

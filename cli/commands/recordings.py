@@ -30,45 +30,44 @@ BehaviourOption = Annotated[str, typer.Option("--behaviour", "-b", help="Short n
 @app.command("list")
 def list_recordings(behaviour: BehaviourOption, as_json: JsonOption = False) -> None:
     """List a behaviour's recordings, newest first."""
-    with open_workspace() as workspace, workspace.database.reading() as session:
-        of = find_behaviour(session, behaviour)
-        what = behaviours.as_behaviour(of)
-        rows = recordings.listing(session, of.id)
-        scores = [score(what, tuple((r, c) for r, c, _ in row.hits)) for row in rows]
-    if as_json:
-        for row, result in zip(rows, scores, strict=True):
-            print_json(
-                {
-                    "id": row.id,
-                    "source": row.source,
-                    "frames": row.n_frames,
-                    "end": row.end,
-                    "hits": row.hits,
-                    "targets": result.targets if result else None,
-                    "strays": result.strays if result else None,
-                    "order_errors": result.order_errors if result else None,
-                    "perfect": row.perfect,
-                    "verification": row.verification,
-                    "notes": row.notes,
-                }
-            )
-        return
     table = Table("recording", "source", "end", "verified", "perfect", "notes", box=None)
     for title in ("targets", "strays", "seconds"):
         table.add_column(title, justify="right")
-    for row, result in zip(rows, scores, strict=True):
-        table.add_row(
-            str(row.id),
-            row.source,
-            row.end or "",
-            row.verification,
-            "yes" if row.perfect else "",
-            row.notes,
-            str(result.targets) if result else "",
-            str(result.strays) if result else "",
-            f"{row.n_frames / 60:.1f}",
-        )
-    console.print(table)
+    with open_workspace() as workspace, workspace.database.reading() as session:
+        of = find_behaviour(session, behaviour)
+        what = behaviours.as_behaviour(of)
+        for row in recordings.in_order(session, recordings.library_ids(session, of.id)):
+            result = score(what, tuple((r, c) for r, c, _ in row.hits))
+            if as_json:
+                print_json(
+                    {
+                        "id": row.id,
+                        "source": row.source,
+                        "frames": row.n_frames,
+                        "end": row.end,
+                        "hits": row.hits,
+                        "targets": result.targets if result else None,
+                        "strays": result.strays if result else None,
+                        "order_errors": result.order_errors if result else None,
+                        "perfect": row.perfect,
+                        "verification": row.verification,
+                        "notes": row.notes,
+                    }
+                )
+                continue
+            table.add_row(
+                str(row.id),
+                row.source,
+                row.end or "",
+                row.verification,
+                "yes" if row.perfect else "",
+                row.notes,
+                str(result.targets) if result else "",
+                str(result.strays) if result else "",
+                f"{row.n_frames / 60:.1f}",
+            )
+    if not as_json:
+        console.print(table)
 
 
 @app.command("import")
@@ -129,16 +128,19 @@ def verify_all(behaviour: BehaviourOption) -> None:
     """Verify every recording of a behaviour by a replay."""
     with open_workspace() as workspace:
         with workspace.database.reading() as session:
-            rows = recordings.listing(session, find_behaviour(session, behaviour).id)
+            ids = recordings.library_ids(session, find_behaviour(session, behaviour).id)
         wrong = 0
-        for row in rows:
+        for key in ids:
+            # No transaction is open while it is replayed.
+            with workspace.database.reading() as session:
+                row = recordings.get(session, key)
             try:
                 hits = [(hit.row, hit.column) for hit in recordings.hits_of(row)]
                 verify(recordings.as_recording(row), hits)
             except RecordingRefused as refusal:
                 wrong += 1
                 errors.print(f"Recording {row.id}: {refusal}")
-        console.print(f"{len(rows) - wrong} of {len(rows)} recordings verify.")
+        console.print(f"{len(ids) - wrong} of {len(ids)} recordings verify.")
     if wrong:
         raise typer.Exit(1)
 

@@ -22,8 +22,8 @@ from server.web.problems import CONFLICT, NOT_FOUND
 from tril.demonstrators import GameOutcome, example_plans, match_plans
 from tril.errors import Invalid
 from tril.play.episode import EndReason
-from tril.store import behaviours, recordings
-from tril.store.models import BehaviourRow, RecordingRow, Verification
+from tril.store import behaviours, library
+from tril.store.models import BehaviourRow, RecordingState, Verification
 
 router = APIRouter(prefix="/behaviours", tags=["behaviours"])
 
@@ -57,10 +57,11 @@ def get_checklist(session: ReadSession, who: Who, behaviour_id: BehaviourId) -> 
         plans = example_plans(behaviour)
     except Invalid as error:
         return Checklist(planned=[], note=str(error))
+    brief = library.brief(session, behaviour_id, only_of=who.sees_only)
     games = {
-        row.id: _played(row)
-        for row in recordings.listing(session, behaviour_id, only_of=who.sees_only)
-        if row.verification == Verification.VERIFIED
+        entry.id: _played(entry)
+        for entry in brief.entries
+        if entry.verification == Verification.VERIFIED and entry.state != RecordingState.FINISHED
     }
     ticks = match_plans(plans, games)
     return Checklist(
@@ -107,11 +108,11 @@ def restore_behaviour(session: WriteSession, who: Who, behaviour_id: BehaviourId
     return _one(session, behaviours.restore(session, behaviour_id, who.player_id))
 
 
-def _played(row: RecordingRow) -> GameOutcome:
+def _played(entry: library.Entry) -> GameOutcome:
     return GameOutcome(
-        hits=tuple((hit.row, hit.column) for hit in recordings.hits_of(row)),
-        end=None if row.end is None else EndReason(row.end),
-        n_frames=row.n_frames,
+        hits=tuple((row, column) for row, column, _ in entry.hits),
+        end=None if entry.end is None else EndReason(entry.end),
+        n_frames=entry.n_frames,
     )
 
 

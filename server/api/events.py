@@ -10,6 +10,7 @@ from starlette.responses import StreamingResponse
 from server.change_stream import Change
 from server.dependencies import Who, services_of
 from tril.store import recordings
+from tril.store.changes import LIBRARY_CHANGED
 
 router = APIRouter(tags=["events"])
 
@@ -32,7 +33,12 @@ async def stream_events(request: Request, who: Who) -> StreamingResponse:
 
     async def of_participant(changes: Collection[Change]) -> Collection[Change]:
         played = [int(key) for topic, key in changes if topic == "recording"]
-        own = {("player", str(who.player_id)), *(("behaviour", str(k)) for k in who.behaviour_ids)}
+        own = {("player", str(who.player_id))}
+        own |= {
+            (topic, str(key))
+            for topic in ("behaviour", LIBRARY_CHANGED)
+            for key in who.behaviour_ids
+        }
         if played:
             ids = await services.access.ask(
                 lambda session: recordings.own_ids(

@@ -8,6 +8,7 @@ from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import JSONResponse, Response
 
+from server.api.schemas.library import Library
 from server.api.schemas.rankings import (
     BorrowedGames,
     GameOpinion,
@@ -20,6 +21,7 @@ from server.api.schemas.rankings import (
     VariedGamesWish,
 )
 from server.api.schemas.recordings import Recording
+from server.api.views.library import library_view
 from server.api.views.recordings import RecordingViews
 from server.dependencies import (
     BehaviourId,
@@ -33,7 +35,7 @@ from server.web.problems import CONFLICT, NOT_FOUND
 from tril.analysis.opinions import form_opinions
 from tril.analysis.outcome import WantedAliens
 from tril.analysis.wanted_aliens import Hits
-from tril.store import behaviours, borrowed, players, rankings, recordings
+from tril.store import behaviours, borrowed, library, players, rankings, recordings
 from tril.store.models import RankingRow
 
 router = APIRouter(prefix="/behaviours/{behaviour_id}/ranking", tags=["ranking"])
@@ -129,12 +131,11 @@ def get_ranking_opinion(request: Request, behaviour_id: BehaviourId) -> RankingO
 
 
 @borrowed_router.get("", responses=NOT_FOUND)
-def list_borrowed_games(
-    session: ReadSession, who: Who, behaviour_id: BehaviourId
-) -> list[Recording]:
-    """Return the games that a behaviour has borrowed, newest first."""
-    behaviours.get(session, behaviour_id)
-    return RecordingViews(session, who, behaviour_id).all(borrowed.listing(session, behaviour_id))
+def list_borrowed_games(session: ReadSession, who: Who, behaviour_id: BehaviourId) -> Library:
+    """Return the games that a behaviour has borrowed, in brief, newest first."""
+    behaviour = behaviours.get(session, behaviour_id)
+    brief = library.borrowed(session, behaviour_id)
+    return library_view(session, who, behaviour, brief, borrowed=True)
 
 
 @slow_router.post("/borrowed", status_code=201, responses=NOT_FOUND)
@@ -182,7 +183,6 @@ def _conflict(request: Request, error: rankings.RankingConflict) -> dict[str, ob
 def _view(session: Session, row: RankingRow) -> Ranking:
     return Ranking.of(
         row,
-        unranked=rankings.unranked(session, row),
         n_pairs=rankings.as_ranking(row).n_pairs,
         can_undo=row.undo_to is not None,
         can_redo=row.redo_to is not None,

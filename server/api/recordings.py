@@ -3,22 +3,29 @@
 from __future__ import annotations
 
 import json
-from typing import Annotated, Literal
+import os
+import tempfile
+from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query, Request
 from sqlalchemy.orm import Session
-from starlette.responses import Response
+from starlette.background import BackgroundTask
+from starlette.responses import FileResponse, Response
 
+from server.api.schemas.library import Library
 from server.api.schemas.recordings import (
     Branch,
+    ChosenRecordings,
     MemoryCell,
     Recording,
     RecordingCourse,
     RecordingsChange,
     RecordingUpdate,
 )
+from server.api.views.library import library_view
 from server.api.views.recordings import RecordingViews, parent_of
 from server.dependencies import (
+    MAX_ID,
     BehaviourId,
     ReadSession,
     RecordingId,
@@ -32,7 +39,7 @@ from server.web.problems import CONFLICT, NOT_FOUND
 from tril.errors import NotFound
 from tril.exchange import recording_transfer
 from tril.games.space_invaders.memory import RAM_NAMES
-from tril.store import audit, behaviours, recordings
+from tril.store import audit, behaviours, library, recordings
 from tril.store.access.credentials import Identity
 from tril.store.models import RecordingRow
 from tril.text import shown_json
@@ -42,6 +49,24 @@ router = APIRouter(tags=["recordings"])
 JSON_LINES = "application/x-ndjson"
 _LINES = {"schema": {"type": "string"}}
 
+MAX_LISTED = 200
+"""Most recordings in one answer, of about a kilobyte each."""
+MAX_SHOWN = 100
+"""Most recordings that one request names in its address."""
+MAX_NAMED = 20
+"""Most recordings that a refusal names."""
+
+_CHANGED = (
+    RecordingRow.behaviour_id,
+    RecordingRow.run_id,
+    RecordingRow.state,
+    RecordingRow.verification,
+    RecordingRow.verification_note,
+    RecordingRow.perfect,
+    RecordingRow.deleted_at,
+)
+"""All that a change of many recordings reads of each."""
+
 
 @router.get("/behaviours/{behaviour_id}/recordings", responses=NOT_FOUND)
 def list_recordings(
@@ -49,10 +74,15 @@ def list_recordings(
     who: Who,
     behaviour_id: BehaviourId,
     include: Annotated[list[Literal["deleted", "policy"]] | None, Query(max_length=2)] = None,
+    before: Annotated[
+        int | None, Query(ge=1, le=MAX_ID, description="Only those with lower ids.")
+    ] = None,
+    limit: Annotated[int, Query(ge=1, le=MAX_LISTED)] = MAX_LISTED,
+    undecided: Annotated[bool, Query(description="Only those to keep or discard.")] = False,
 ) -> list[Recording]:
     """Return a behaviour's recordings, newest first, those to keep or discard included.
 
-    A participant gets their own.
+    At most 200 are returned: ask for further ones with ``before``. A participant gets their own.
     """
     behaviours.get(session, behaviour_id)
     included = include or []
@@ -63,25 +93,69 @@ def list_recordings(
         with_policies="policy" in included,
         with_undecided=True,
         only_of=who.sees_only,
+        undecided_only=undecided,
+        before=before,
+        limit=limit,
     )
     return RecordingViews(session, who).all(rows)
 
 
-@router.post("/behaviours/{behaviour_id}/recordings/change", responses=NOT_FOUND | CONFLICT)
+@router.get("/behaviours/{behaviour_id}/library", responses=NOT_FOUND)
+def get_library(
+    session: ReadSession,
+    who: Who,
+    behaviour_id: BehaviourId,
+    since: Annotated[
+        int | None,
+        Query(ge=0, le=MAX_ID, description="Only what changed after an answer's `cursor`."),
+    ] = None,
+    deleted: Annotated[bool, Query(description="With deleted ones.")] = False,
+) -> Library:
+    """Return all of a behaviour's recordings in brief, or what changed.
+
+    A participant gets their own, and is not told what is ranked or perfect.
+    """
+    behaviour = behaviours.get(session, behaviour_id)
+    brief = library.brief(
+        session, behaviour_id, since=since, with_deleted=deleted, only_of=who.sees_only
+    )
+    return library_view(session, who, behaviour, brief)
+
+
+@router.get("/behaviours/{behaviour_id}/library/recordings", responses=NOT_FOUND)
+def list_shown_recordings(
+    session: ReadSession,
+    who: Who,
+    behaviour_id: BehaviourId,
+    recording: Annotated[list[RecordingId], Query(min_length=1, max_length=MAX_SHOWN)],
+) -> list[Recording]:
+    """Return some recordings of a behaviour, or borrowed by it, as they are shown for it.
+
+    Deleted ones are returned, too; those that are neither are left out. A participant gets their
+    own.
+    """
+    behaviours.get(session, behaviour_id)
+    rows = library.shown(session, behaviour_id, recording, who.sees_only)
+    return RecordingViews(session, who, behaviour_id).all(rows)
+
+
+@router.post(
+    "/behaviours/{behaviour_id}/recordings/change",
+    status_code=204,
+    responses=NOT_FOUND | CONFLICT,
+)
 def change_recordings(
     session: WriteSession, who: Who, behaviour_id: BehaviourId, body: RecordingsChange
-) -> list[Recording]:
-    """Delete, restore or mark several recordings, all or none, and return them."""
-    rows = _of_behaviour(session, behaviour_id, body.recording_ids)
+) -> None:
+    """Delete, restore or mark several recordings, all or none."""
+    rows = _of_behaviour(session, behaviour_id, body.recording_ids, *_CHANGED)
     if body.change == "delete":
         recordings.delete(session, rows, who.player_id)
     elif body.change == "restore":
         recordings.restore(session, rows, who.player_id)
     else:
         perfect = body.change == "mark_perfect"
-        for row in rows:
-            recordings.update(session, row, perfect, player_id=who.player_id)
-    return RecordingViews(session, who).all(rows)
+        recordings.mark(session, rows, perfect, who.player_id)
 
 
 @router.get(
@@ -99,15 +173,48 @@ def export_recordings(
     ] = None,
 ) -> Response:
     """Return a behaviour's recordings as JSON Lines, ranked ones first from best to worst."""
+    return _exported(request, session, who, behaviour_id, recording)
+
+
+@router.post(
+    "/behaviours/{behaviour_id}/recordings/export",
+    response_class=Response,
+    responses=NOT_FOUND | {200: {"content": {JSON_LINES: _LINES}}},
+)
+def export_chosen_recordings(
+    request: Request,
+    session: ReadSession,
+    who: Who,
+    behaviour_id: BehaviourId,
+    chosen: ChosenRecordings,
+) -> Response:
+    """Return recordings of a behaviour as JSON Lines: more than an address can name."""
+    return _exported(request, session, who, behaviour_id, chosen.recording_ids)
+
+
+def _exported(
+    request: Request, session: Session, who: Identity, behaviour_id: int, ids: list[int] | None
+) -> Response:
     row = behaviours.get(session, behaviour_id)
-    only = None if recording is None else _of_behaviour(session, behaviour_id, recording)
-    objects = recording_transfer.export_recordings(session, behaviour_id, only)
-    lines = [f"{json.dumps(item)}\n" for item in objects]
-    _note_export(request, who, f"behaviour {behaviour_id}", recordings=len(lines))
-    return Response(
-        "".join(lines),
+    if ids is not None:
+        _of_behaviour(session, behaviour_id, ids, RecordingRow.behaviour_id)
+    descriptor, name = tempfile.mkstemp(prefix="tril-export-", suffix=".jsonl")
+    n_written = 0
+    try:
+        # A library's file may be larger than what a server should hold in memory.
+        with os.fdopen(descriptor, "w") as file:
+            for item in recording_transfer.export_recordings(session, behaviour_id, ids):
+                file.write(f"{json.dumps(item)}\n")
+                n_written += 1
+        _note_export(request, who, f"behaviour {behaviour_id}", recordings=n_written)
+    except BaseException:
+        os.unlink(name)
+        raise
+    return FileResponse(
+        name,
         media_type=JSON_LINES,
         headers=_download(f"{row.slug}.jsonl"),
+        background=BackgroundTask(os.unlink, name),
     )
 
 
@@ -208,13 +315,17 @@ def _note_export(request: Request, who: Identity, subject: str, **details: int) 
         audit.note(session, audit.Action.EXPORTED, who.player_id, subject, **details)
 
 
-def _of_behaviour(session: Session, behaviour_id: int, ids: list[int]) -> list[RecordingRow]:
+def _of_behaviour(
+    session: Session, behaviour_id: int, ids: list[int], *columns: Any
+) -> list[RecordingRow]:
     """Return recordings of a behaviour, sorted by id; raises NotFound with the ids missing."""
     behaviours.get(session, behaviour_id)
-    rows = recordings.by_ids(session, ids)
-    missing = [key for key in ids if key not in rows or rows[key].behaviour_id != behaviour_id]
+    rows = recordings.by_ids(session, ids, *columns)
+    missing = {key for key in ids if key not in rows or rows[key].behaviour_id != behaviour_id}
     if missing:
-        names = ", ".join(str(key) for key in sorted(set(missing)))
+        names = ", ".join(str(key) for key in sorted(missing)[:MAX_NAMED])
+        if len(missing) > MAX_NAMED:
+            names += f" and {len(missing) - MAX_NAMED} more"
         raise NotFound(f"These are no recordings of this behaviour: {names}.")
     return [rows[key] for key in sorted(rows)]
 

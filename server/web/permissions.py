@@ -56,7 +56,13 @@ _OPERATIONS: dict[Need, tuple[str, ...]] = {
         "create_game",
         "stream_events",
     ),
-    Need.OWN_BEHAVIOUR: ("get_behaviour", "get_checklist", "list_recordings"),
+    Need.OWN_BEHAVIOUR: (
+        "get_behaviour",
+        "get_checklist",
+        "list_recordings",
+        "get_library",
+        "list_shown_recordings",
+    ),
     Need.OWN_RECORDING: (
         "get_recording",
         "delete_recording",
@@ -81,6 +87,7 @@ _OPERATIONS: dict[Need, tuple[str, ...]] = {
         "get_ghost",
         "change_recordings",
         "export_recordings",
+        "export_chosen_recordings",
         "update_recording",
         "import_recordings_file",
         "open_finished_example",

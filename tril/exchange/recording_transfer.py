@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, BinaryIO
@@ -20,7 +20,7 @@ from tril.exchange.formats.recording_file import (
 from tril.games.atari.console import Console
 from tril.play.episode import EndReason, Start
 from tril.recording import Recording
-from tril.store import audit, rankings, recordings
+from tril.store import audit, library, rankings, recordings
 from tril.store.database import Database
 from tril.store.models import RecordingRow, Source
 from tril.text import shown_json
@@ -101,11 +101,10 @@ def import_recordings(
         outcome.n_notices = len(outcome.notices)
         return outcome
     with database.writing() as session:
-        library = {
-            _identity(recordings.as_recording(row)): row.id
-            for row in recordings.listing(session, behaviour_id)
-        }
-        known = [library.get(_identity(given.recording)) for _, given in accepted]
+        present = library.same_games(
+            session, behaviour_id, [given.recording for _, given in accepted]
+        )
+        known = [present.get(_identity(given.recording)) for _, given in accepted]
         outcome.already_there += [key for key in known if key is not None]
         accepted = [one for one, key in zip(accepted, known, strict=True) if key is None]
         if player_id is not None and max_of_player is not None:
@@ -151,7 +150,7 @@ def export_recording(session: Session, row: RecordingRow) -> dict[str, Any]:
 
 
 def export_recordings(
-    session: Session, behaviour_id: int, only: Sequence[RecordingRow] | None = None
+    session: Session, behaviour_id: int, only: Collection[int] | None = None
 ) -> Iterator[dict[str, Any]]:
     """Yield a behaviour's recordings: the ranked ones from best to worst, then the others.
 
@@ -161,9 +160,10 @@ def export_recordings(
         only: The recordings to export; None for all that are not deleted.
     """
     tiers = rankings.as_ranking(rankings.current(session, behaviour_id)).tier_numbers()
-    rows = recordings.listing(session, behaviour_id) if only is None else only
-    last = len(rows) + 1
-    for row in sorted(rows, key=lambda row: (tiers.get(row.id, last), row.id)):
+    ids = set(recordings.library_ids(session, behaviour_id) if only is None else only)
+    last = len(tiers) + 1
+    order = sorted(ids, key=lambda key: (tiers.get(key, last), key))
+    for row in recordings.in_order(session, order):
         yield dump_row(row, tiers.get(row.id))
 
 

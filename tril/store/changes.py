@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from datetime import timedelta
 
 from sqlalchemy import delete, func, or_, select
 from sqlalchemy.orm import Session
 
 from tril.store.database import database_now
-from tril.store.models import ChangeRow
+from tril.store.models import ChangeRow, RecordingRow
 
 LATE_COMMIT_S = 120.0
 """Longest that a transaction is expected to take from noting a change to its commit."""
@@ -17,15 +18,34 @@ MAX_GAPS = 1000
 """Most ids that are waited for: what one transaction may note while others commit."""
 
 
+MAX_NOTED_ONE_BY_ONE = 50
+"""Recordings that change in one transaction are noted one by one up to so many."""
+LIBRARY_CHANGED = "library"
+"""Topic of a change of many recordings of a behaviour, whose id is the key."""
+
+
 def note_change(session: Session, topic: str, key: str | int) -> None:
     """Note, in the transaction that changes it, that a thing changed.
 
     Args:
         session: The transaction.
-        topic: Kind of thing: "run", "recording", "ranking", "behaviour", "system".
+        topic: Kind of thing: "run", "recording", "library", "ranking", "behaviour", "system".
         key: Its id.
     """
     session.add(ChangeRow(topic=topic, key=str(key), created_at=database_now(session)))
+
+
+def note_recordings(session: Session, rows: Sequence[RecordingRow]) -> None:
+    """Note, in the transaction that changes them, that recordings changed.
+
+    Of many, their libraries are noted instead, so that no page is told of each.
+    """
+    if len(rows) <= MAX_NOTED_ONE_BY_ONE:
+        for row in rows:
+            note_change(session, "recording", row.id)
+    else:
+        for behaviour_id in sorted({row.behaviour_id for row in rows}):
+            note_change(session, LIBRARY_CHANGED, behaviour_id)
 
 
 class ChangeReader:
@@ -43,7 +63,7 @@ class ChangeReader:
     def __init__(self, session: Session, late_commit_s: float = LATE_COMMIT_S) -> None:
         self._late_commit_s = late_commit_s
         self._missing: dict[int, float] = {}
-        self._last = _last_id(session)
+        self._last = newest_change(session)
         first = max(0, self._last - MAX_GAPS)
         seen = set(session.scalars(select(ChangeRow.id).where(ChangeRow.id > first)))
         self._note_missing(set(range(first + 1, self._last)) - seen)
@@ -73,8 +93,14 @@ def prune(session: Session, keep: timedelta = timedelta(hours=1)) -> None:
     The newest stays, because SQLite gives ids again once the highest is gone.
     """
     old = ChangeRow.created_at < database_now(session) - keep
-    session.execute(delete(ChangeRow).where(old, ChangeRow.id < _last_id(session)))
+    session.execute(delete(ChangeRow).where(old, ChangeRow.id < newest_change(session)))
 
 
-def _last_id(session: Session) -> int:
+def newest_change(session: Session) -> int:
+    """Return the id of the newest change; 0 if there is none."""
     return session.scalar(select(func.max(ChangeRow.id))) or 0
+
+
+def oldest_change(session: Session) -> int:
+    """Return the id of the oldest change that is kept; 1 if there is none."""
+    return session.scalar(select(func.min(ChangeRow.id))) or 1

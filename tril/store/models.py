@@ -485,7 +485,7 @@ class ChangeRow(Base):
     """A change, written in the transaction that made it and read by event streams.
 
     ``topic`` is the kind of thing ("run", "recording", "ranking", "behaviour", "system"), ``key``
-    its id.
+    its id; of "library", many recordings of the behaviour of that id changed at once.
     """
 
     __tablename__ = "changes"

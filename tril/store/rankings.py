@@ -7,7 +7,7 @@ redo write new revisions.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from datetime import datetime
 
 from sqlalchemy import Select, and_, or_, select, union
@@ -30,6 +30,9 @@ Tiers = Sequence[Sequence[int]]
 
 _MAX_DELETIONS = 100
 """The latest deletions that tell where a restored recording was ranked."""
+
+PART = 10_000
+"""Most ids that one statement names: PostgreSQL's driver takes 65,535 parameters."""
 
 RANKABLE = (
     RecordingRow.state == RecordingState.KEPT,
@@ -103,9 +106,7 @@ def as_ranking(row: RankingRow) -> Ranking:
 
 def unranked(session: Session, row: RankingRow) -> list[int]:
     """Return the rankable recordings that are in no tier, newest first."""
-    inside = set(as_ranking(row).items)
-    rankable = _rankable(session, row.behaviour_id)
-    return sorted(rankable - inside, reverse=True)
+    return sorted(_rankable(session, row.behaviour_id) - set(as_ranking(row).items), reverse=True)
 
 
 def save(
@@ -207,7 +208,7 @@ def put_back(
     """
     for behaviour_id in _behaviours_that_may_rank(session, deleted_at):
         newest = lock(session, behaviour_id)
-        rankable = _rankable(session, behaviour_id)
+        rankable = _rankable(session, behaviour_id, deleted_at)
         ranking = as_ranking(newest)
         for recording_id, former in _former_rankings(session, newest, deleted_at):
             if recording_id in rankable and recording_id not in ranking.items:
@@ -260,11 +261,20 @@ def _former_rankings(
 
 def _behaviours_that_may_rank(session: Session, recording_ids: Collection[int]) -> list[int]:
     """Return the behaviours of recordings and those that have borrowed any, in order of locking."""
-    own = select(RecordingRow.behaviour_id).where(RecordingRow.id.in_(recording_ids))
-    borrowing = select(BorrowedGameRow.behaviour_id).where(
-        BorrowedGameRow.recording_id.in_(recording_ids)
-    )
-    return sorted(session.scalars(union(own, borrowing)))
+    found: set[int] = set()
+    for part in in_parts(sorted(recording_ids), PART):
+        own = select(RecordingRow.behaviour_id).where(RecordingRow.id.in_(part))
+        borrowing = select(BorrowedGameRow.behaviour_id).where(
+            BorrowedGameRow.recording_id.in_(part)
+        )
+        found.update(session.scalars(union(own, borrowing)))
+    return sorted(found)
+
+
+def in_parts(ids: Sequence[int], size: int) -> Iterator[Sequence[int]]:
+    """Yield ids in parts of at most so many."""
+    for start in range(0, len(ids), size):
+        yield ids[start : start + size]
 
 
 def lock(
@@ -336,11 +346,19 @@ def _add(
     return row
 
 
-def _rankable(session: Session, behaviour_id: int) -> set[int]:
+def _rankable(
+    session: Session, behaviour_id: int, among: Collection[int] | None = None
+) -> set[int]:
+    """Return what a behaviour's ranking may hold, or which of some recordings it may."""
     is_own = and_(RecordingRow.behaviour_id == behaviour_id, RecordingRow.run_id.is_(None))
     is_borrowed = RecordingRow.id.in_(borrowed_ids(behaviour_id))
     query = select(RecordingRow.id).where(or_(is_own, is_borrowed), *RANKABLE)
-    return set(session.scalars(query))
+    if among is None:
+        return set(session.scalars(query))
+    parts = in_parts(sorted(among), PART)
+    return {
+        key for part in parts for key in session.scalars(query.where(RecordingRow.id.in_(part)))
+    }
 
 
 def borrowed_ids(behaviour_id: int) -> Select[int]:
@@ -350,12 +368,12 @@ def borrowed_ids(behaviour_id: int) -> Select[int]:
 
 def _still_rankable(session: Session, row: RankingRow) -> Ranking:
     ranking = as_ranking(row)
-    return ranking.without(set(ranking.items) - _rankable(session, row.behaviour_id))
+    return ranking.without(set(ranking.items) - _rankable(session, row.behaviour_id, ranking.items))
 
 
 def refuse_unrankable(session: Session, behaviour_id: int, ranking: Ranking) -> None:
     """Raise Invalid, naming the recordings, if any of a ranking's can't be ranked."""
-    wrong = sorted(set(ranking.items) - _rankable(session, behaviour_id))
+    wrong = sorted(set(ranking.items) - _rankable(session, behaviour_id, ranking.items))
     if not wrong:
         return
     query = select(RecordingRow).where(RecordingRow.id.in_(wrong))

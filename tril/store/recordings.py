@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import Any
 
 from sqlalchemy import Select, func, select
-from sqlalchemy.orm import Session
+from sqlalchemy.orm import Session, load_only
 
 from tril.errors import Conflict, Invalid, NotFound
 from tril.play.episode import Ending, EndReason, Hit, Start
 from tril.recording import Recording, Replay
 from tril.store import audit, rankings
-from tril.store.changes import note_change
+from tril.store.changes import note_change, note_recordings
 from tril.store.models import RecordingRow, RecordingState, Source, Verification, now
 
 MAX_NOTES_LENGTH = 4000
+
+ROWS_IN_MEMORY = 200
+"""Recordings that are read at once where a whole library is gone through."""
 
 
 def as_recording(row: RecordingRow) -> Recording:
@@ -126,10 +129,31 @@ def player_of(session: Session, recording_id: int) -> tuple[int | None, int] | N
     return None if found is None else (found[0], found[1])
 
 
-def by_ids(session: Session, ids: Iterable[int]) -> dict[int, RecordingRow]:
-    """Return recordings by id, even deleted ones; unknown ids are left out."""
-    query = select(RecordingRow).where(RecordingRow.id.in_(set(ids)))
-    return {row.id: row for row in session.scalars(query)}
+def by_ids(session: Session, ids: Iterable[int], *columns: Any) -> dict[int, RecordingRow]:
+    """Return recordings by id, even deleted ones; unknown ids are left out.
+
+    Args:
+        session: The transaction.
+        ids: The recordings.
+        *columns: All that will be read of them, such as RecordingRow.state; everything if empty.
+    """
+    options = [load_only(*columns)] if columns else []
+    return {
+        row.id: row
+        for part in rankings.in_parts(sorted(set(ids)), rankings.PART)
+        for row in session.scalars(
+            select(RecordingRow).where(RecordingRow.id.in_(part)).options(*options)
+        )
+    }
+
+
+def in_order(session: Session, ids: Sequence[int]) -> Iterator[RecordingRow]:
+    """Yield recordings in the order of their ids, with only some in memory at a time."""
+    for part in rankings.in_parts(ids, ROWS_IN_MEMORY):
+        rows = by_ids(session, part)
+        yield from (rows[key] for key in part if key in rows)
+        for row in rows.values():
+            session.expunge(row)
 
 
 def listing(
@@ -140,6 +164,9 @@ def listing(
     with_policies: bool = False,
     with_undecided: bool = False,
     only_of: int | None = None,
+    undecided_only: bool = False,
+    before: int | None = None,
+    limit: int | None = None,
 ) -> list[RecordingRow]:
     """Return a behaviour's library, newest first.
 
@@ -150,15 +177,31 @@ def listing(
         with_policies: Whether to list the recordings of runs, too.
         with_undecided: Whether to list games, too, that ended but were neither kept nor discarded.
         only_of: Only the games that this person played.
+        undecided_only: Only games that ended but were neither kept nor discarded.
+        before: Only recordings with lower ids.
+        limit: Most recordings that are returned.
     """
     query = _library(behaviour_id, with_undecided)
+    if undecided_only:
+        query = query.where(RecordingRow.state == RecordingState.FINISHED)
+    if before is not None:
+        query = query.where(RecordingRow.id < before)
     if not with_deleted:
         query = query.where(RecordingRow.deleted_at.is_(None))
     if not with_policies:
         query = query.where(RecordingRow.run_id.is_(None))
     if only_of is not None:
         query = query.where(RecordingRow.player_id == only_of, RecordingRow.source == Source.PERSON)
-    return list(session.scalars(query.order_by(RecordingRow.id.desc())))
+    return list(session.scalars(query.order_by(RecordingRow.id.desc()).limit(limit)))
+
+
+def library_ids(session: Session, behaviour_id: int) -> list[int]:
+    """Return the recordings of a behaviour's library that are not deleted, newest first."""
+    query = _library(behaviour_id).where(
+        RecordingRow.deleted_at.is_(None), RecordingRow.run_id.is_(None)
+    )
+    ids = query.with_only_columns(RecordingRow.id).order_by(RecordingRow.id.desc())
+    return list(session.scalars(ids))
 
 
 def has_any(session: Session, behaviour_id: int) -> bool:
@@ -217,7 +260,8 @@ def perfect_ids(session: Session, behaviour_id: int) -> list[int]:
         RecordingRow.run_id.is_(None),
         RecordingRow.perfect.is_(True),
     )
-    return [row.id for row in session.scalars(query.order_by(RecordingRow.id))]
+    ids = query.with_only_columns(RecordingRow.id).order_by(RecordingRow.id)
+    return list(session.scalars(ids))
 
 
 def keep(session: Session, row: RecordingRow) -> None:
@@ -252,7 +296,7 @@ def delete(session: Session, rows: Sequence[RecordingRow], player_id: int | None
     for row in gone:
         row.deleted_at = now()
         audit.note(session, audit.Action.DELETED, player_id, f"recording {row.id}")
-        note_change(session, "recording", row.id)
+    note_recordings(session, gone)
     session.flush()
     rankings.take_out(session, [row.id for row in gone], player_id)
 
@@ -271,9 +315,23 @@ def restore(session: Session, rows: Sequence[RecordingRow], player_id: int | Non
         if row.state == RecordingState.FINISHED:
             row.state = RecordingState.KEPT
         audit.note(session, audit.Action.RESTORED, player_id, f"recording {row.id}")
-        note_change(session, "recording", row.id)
+    note_recordings(session, [row for row in rows if row.id in deleted_at])
     session.flush()
     rankings.put_back(session, deleted_at, player_id)
+
+
+def mark(
+    session: Session, rows: Sequence[RecordingRow], perfect: bool, player_id: int | None = None
+) -> None:
+    """Mark recordings as perfect, or take the marks off; all or none.
+
+    Raises:
+        Invalid: One is to be perfect but is not verified.
+        Conflict: One is to be perfect but is a result of a training, which nothing learns from.
+    """
+    for row in rows:
+        _mark(session, row, perfect, player_id)
+    note_recordings(session, rows)
 
 
 def update(
@@ -297,6 +355,16 @@ def update(
         TextRefused: The notes can't be accepted.
         Conflict: It is to be perfect but is a result of a training, which nothing learns from.
     """
+    if perfect is not None:
+        _mark(session, row, perfect, player_id)
+    before = row.notes
+    row.notes = before if notes is None else notes
+    if row.notes != before:
+        audit.note(session, audit.Action.NOTES_WRITTEN, player_id, f"recording {row.id}")
+    note_change(session, "recording", row.id)
+
+
+def _mark(session: Session, row: RecordingRow, perfect: bool, player_id: int | None) -> None:
     if perfect and row.run_id is not None:
         raise Conflict(
             f"Recording {row.id} is a result of a training, so it can't be marked as perfect: the "
@@ -307,15 +375,11 @@ def update(
             "Only a verified recording can be marked as perfect, because learning replays it: "
             f"{row.verification_note or 'its replay is not done yet.'}"
         )
-    if perfect is not None and perfect != row.perfect:
-        row.perfect = perfect
-        action = audit.Action.MARKED if perfect else audit.Action.UNMARKED
-        audit.note(session, action, player_id, f"recording {row.id}")
-    before = row.notes
-    row.notes = before if notes is None else notes
-    if row.notes != before:
-        audit.note(session, audit.Action.NOTES_WRITTEN, player_id, f"recording {row.id}")
-    note_change(session, "recording", row.id)
+    if perfect == row.perfect:
+        return
+    row.perfect = perfect
+    action = audit.Action.MARKED if perfect else audit.Action.UNMARKED
+    audit.note(session, action, player_id, f"recording {row.id}")
 
 
 def _library(behaviour_id: int, with_undecided: bool = False) -> Select[RecordingRow]:

@@ -5,28 +5,14 @@ import { RecordedFrames } from "@/lib/game/codec";
 import { api, bodyOf, fetchBytes, PATIENT_MS, problemOf, trackedFetch, unwrap } from "./client";
 import type { ImportResult, Recording, RecordingsChange, RecordingUpdate } from "./types";
 
-/** A behaviour's kept and unfinished recordings, newest first. */
-export function recordingsQuery(behaviourId: number) {
+/** The games of a behaviour that ended and were neither kept nor discarded, newest first. */
+export function undecidedQuery(behaviourId: number) {
   return queryOptions({
-    queryKey: ["recordings", behaviourId],
+    queryKey: ["recordings", behaviourId, "undecided"],
     queryFn: ({ signal }) =>
       unwrap(
         api.GET("/api/behaviours/{behaviour_id}/recordings", {
-          params: { path: { behaviour_id: behaviourId } },
-          signal,
-        }),
-      ),
-  });
-}
-
-/** All recordings of a behaviour, deleted ones included, so that they can be restored. */
-export function withDeletedQuery(behaviourId: number) {
-  return queryOptions({
-    queryKey: ["recordings", behaviourId, "with deleted"],
-    queryFn: ({ signal }) =>
-      unwrap(
-        api.GET("/api/behaviours/{behaviour_id}/recordings", {
-          params: { path: { behaviour_id: behaviourId }, query: { include: ["deleted"] } },
+          params: { path: { behaviour_id: behaviourId }, query: { undecided: true } },
           signal,
         }),
       ),
@@ -99,10 +85,7 @@ export function deleteRecording(recordingId: number): Promise<unknown> {
 }
 
 /** Applies one change to several recordings, atomically. */
-export function changeRecordings(
-  behaviourId: number,
-  body: RecordingsChange,
-): Promise<Recording[]> {
+export function changeRecordings(behaviourId: number, body: RecordingsChange): Promise<unknown> {
   return unwrap(
     api.POST("/api/behaviours/{behaviour_id}/recordings/change", {
       params: { path: { behaviour_id: behaviourId } },
@@ -140,6 +123,20 @@ export function exportUrl(behaviourId: number, only: readonly number[] = []): st
   const query = new URLSearchParams(only.map((id) => ["recording", String(id)]));
   const path = `/api/behaviours/${behaviourId}/recordings/export`;
   return only.length === 0 ? path : `${path}?${query.toString()}`;
+}
+
+/** The server's limit on recordings that the address of an export names. */
+export const MOST_IN_URL = 500;
+
+/** Fetches some of a behaviour's recordings as JSON Lines, more than an address can name. */
+export async function fetchExport(behaviourId: number, ids: readonly number[]): Promise<Blob> {
+  const response = await trackedFetch(exportUrl(behaviourId), {
+    method: "POST",
+    body: JSON.stringify({ recording_ids: ids }),
+    headers: { "Content-Type": "application/json" },
+  });
+  if (!response.ok) throw problemOf(response, await bodyOf(response));
+  return response.blob();
 }
 
 /** URL of one recording in the exchange format. */

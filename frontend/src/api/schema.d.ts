@@ -105,7 +105,7 @@ export interface paths {
         };
         /**
          * List Borrowed Games
-         * @description Return the games that a behaviour has borrowed, newest first.
+         * @description Return the games that a behaviour has borrowed, in brief, newest first.
          */
         get: operations["list_borrowed_games"];
         put?: never;
@@ -178,6 +178,51 @@ export interface paths {
          *     marked as perfect; null if there is neither.
          */
         get: operations["get_ghost"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/behaviours/{behaviour_id}/library": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Library
+         * @description Return all of a behaviour's recordings in brief, or what changed.
+         *
+         *     A participant gets their own, and is not told what is ranked or perfect.
+         */
+        get: operations["get_library"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/behaviours/{behaviour_id}/library/recordings": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Shown Recordings
+         * @description Return some recordings of a behaviour, or borrowed by it, as they are shown for it.
+         *
+         *     Deleted ones are returned, too; those that are neither are left out. A participant gets their
+         *     own.
+         */
+        get: operations["list_shown_recordings"];
         put?: never;
         post?: never;
         delete?: never;
@@ -321,7 +366,7 @@ export interface paths {
          * List Recordings
          * @description Return a behaviour's recordings, newest first, those to keep or discard included.
          *
-         *     A participant gets their own.
+         *     At most 200 are returned: ask for further ones with ``before``. A participant gets their own.
          */
         get: operations["list_recordings"];
         put?: never;
@@ -343,7 +388,7 @@ export interface paths {
         put?: never;
         /**
          * Change Recordings
-         * @description Delete, restore or mark several recordings, all or none, and return them.
+         * @description Delete, restore or mark several recordings, all or none.
          */
         post: operations["change_recordings"];
         delete?: never;
@@ -365,7 +410,11 @@ export interface paths {
          */
         get: operations["export_recordings"];
         put?: never;
-        post?: never;
+        /**
+         * Export Chosen Recordings
+         * @description Return recordings of a behaviour as JSON Lines: more than an address can name.
+         */
+        post: operations["export_chosen_recordings"];
         delete?: never;
         options?: never;
         head?: never;
@@ -1466,6 +1515,14 @@ export interface components {
             planned: components["schemas"]["PlannedDemonstration"][];
         };
         /**
+         * ChosenRecordings
+         * @description Recordings of a behaviour: as many as a page can select.
+         */
+        ChosenRecordings: {
+            /** Recording Ids */
+            recording_ids: number[];
+        };
+        /**
          * ClipKind
          * @description The formats of clips.
          * @enum {string}
@@ -1847,6 +1904,70 @@ export interface components {
             presses: number;
         };
         /**
+         * Library
+         * @description A library in brief, or what of it changed.
+         *
+         *     ``cursor`` asks for what changes from here on. ``whole`` tells that ``recordings`` are all; else
+         *     they replace those with the same ids, and ``removed`` are no longer in it. ``ranked`` are always
+         *     all recordings in the ranking, best first.
+         */
+        Library: {
+            /** Cursor */
+            cursor: number;
+            /** Ranked */
+            ranked: number[];
+            recordings: components["schemas"]["LibraryColumns"];
+            /** Removed */
+            removed: number[];
+            /** Whole */
+            whole: boolean;
+        };
+        /**
+         * LibraryColumns
+         * @description Recordings in brief, newest first: each list has the values of one field.
+         *
+         *     The fields are those of ``Recording``; ``parent_id`` and ``parent_frame`` are of its ``parent``,
+         *     ``n_hits`` is the number of its ``hits``.
+         */
+        LibraryColumns: {
+            /** Deleted */
+            deleted: boolean[];
+            /** End */
+            end: (string | null)[];
+            /** Id */
+            id: number[];
+            /** N Frames */
+            n_frames: number[];
+            /** N Hits */
+            n_hits: number[];
+            /** N Steps */
+            n_steps: number[];
+            /** Order Errors */
+            order_errors: (number | null)[];
+            /** Parent Frame */
+            parent_frame: (number | null)[];
+            /** Parent Id */
+            parent_id: (number | null)[];
+            /** Perfect */
+            perfect: boolean[];
+            /** Player */
+            player: (string | null)[];
+            /** Run Id */
+            run_id: (string | null)[];
+            /** Shots */
+            shots: number[];
+            /** Source */
+            source: components["schemas"]["Source"][];
+            /** State */
+            state: components["schemas"]["RecordingState"][];
+            /** Strays */
+            strays: (number | null)[];
+            /** Targets */
+            targets: (number | null)[];
+            /** Verification */
+            verification: components["schemas"]["Verification"][];
+        };
+        /**
          * MeasuredOrder
          * @description What happens to R while pixels are hidden or shown in an order.
          *
@@ -2081,7 +2202,7 @@ export interface components {
         };
         /**
          * Ranking
-         * @description ``tiers`` best first; ``unranked``: own or borrowed recordings in no tier, newest first.
+         * @description ``tiers`` best first. Unranked are the library's recordings and borrowed ones in no tier.
          *
          *     Recordings that are not kept or not verified can't be ranked.
          */
@@ -2098,8 +2219,6 @@ export interface components {
             revision: number;
             /** Tiers */
             tiers: number[][];
-            /** Unranked */
-            unranked: number[];
         };
         /**
          * RankingCheck
@@ -3404,7 +3523,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Recording"][];
+                    "application/json": components["schemas"]["Library"];
                 };
             };
             /** @description The request can't be read. */
@@ -3757,6 +3876,183 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Ghost"] | null;
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_library: {
+        parameters: {
+            query?: {
+                /** @description With deleted ones. */
+                deleted?: boolean;
+                /** @description Only what changed after an answer's `cursor`. */
+                since?: number | null;
+            };
+            header?: never;
+            path: {
+                behaviour_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Library"];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_shown_recordings: {
+        parameters: {
+            query: {
+                recording: number[];
+            };
+            header?: never;
+            path: {
+                behaviour_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Recording"][];
                 };
             };
             /** @description The request can't be read. */
@@ -4474,7 +4770,12 @@ export interface operations {
     list_recordings: {
         parameters: {
             query?: {
+                /** @description Only those with lower ids. */
+                before?: number | null;
                 include?: ("deleted" | "policy")[] | null;
+                limit?: number;
+                /** @description Only those to keep or discard. */
+                undecided?: boolean;
             };
             header?: never;
             path: {
@@ -4574,13 +4875,11 @@ export interface operations {
         };
         responses: {
             /** @description Successful Response */
-            200: {
+            204: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content: {
-                    "application/json": components["schemas"]["Recording"][];
-                };
+                content?: never;
             };
             /** @description The request can't be read. */
             400: {
@@ -4669,6 +4968,95 @@ export interface operations {
             cookie?: never;
         };
         requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/x-ndjson": string;
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    export_chosen_recordings: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                behaviour_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ChosenRecordings"];
+            };
+        };
         responses: {
             /** @description Successful Response */
             200: {

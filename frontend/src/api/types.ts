@@ -21,6 +21,8 @@ export type Invitation = Schemas["Invitation"];
 export type InvitationNew = Schemas["InvitationNew"];
 export type JudgedGames = Schemas["JudgedGames"];
 export type KeyNew = Schemas["KeyNew"];
+export type Library = Schemas["Library"];
+export type LibraryColumns = Schemas["LibraryColumns"];
 export type Metrics = Schemas["Metrics"];
 export type NewInvitation = Schemas["NewInvitation"];
 export type NewKey = Schemas["NewKey"];
@@ -34,6 +36,28 @@ export type WantedAliens = Schemas["WantedAliens"];
 export type RankingOpinion = Schemas["RankingOpinion"];
 export type Recipe = Schemas["Recipe"];
 export type Recording = Schemas["Recording"];
+/** A recording in brief: what lists count, filter and sort by. */
+export type LibraryEntry = Pick<
+  Recording,
+  | "id"
+  | "borrowed"
+  | "source"
+  | "player"
+  | "run_id"
+  | "parent"
+  | "state"
+  | "verification"
+  | "n_frames"
+  | "n_steps"
+  | "end"
+  | "targets"
+  | "strays"
+  | "order_errors"
+  | "shots"
+  | "perfect"
+  | "ranked"
+  | "deleted"
+> & { readonly hits: { readonly length: number } };
 export type RecordingCourse = Schemas["RecordingCourse"];
 export type RecordingsChange = Schemas["RecordingsChange"];
 export type RoleUpdate = Schemas["RoleUpdate"];

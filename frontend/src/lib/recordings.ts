@@ -15,7 +15,7 @@ interface Played {
   readonly deleted: boolean;
   readonly n_frames: number;
   readonly n_steps: number;
-  readonly hits: readonly { readonly row: number; readonly column: number }[];
+  readonly hits: { readonly length: number };
   readonly targets: number | null;
   readonly strays: number | null;
   readonly order_errors: number | null;
@@ -26,7 +26,9 @@ export function recordingName({ id }: { readonly id: number }): string {
 }
 
 /** Returns the cells hit, in order of time. */
-export function hitCells(recording: Pick<Played, "hits">): readonly Cell[] {
+export function hitCells(recording: {
+  readonly hits: readonly { readonly row: number; readonly column: number }[];
+}): readonly Cell[] {
   return recording.hits.map(({ row, column }) => [row, column] as const);
 }
 

@@ -76,7 +76,6 @@ export function ranking(change: Partial<Ranking> = {}): Ranking {
     behaviour_id: 1,
     revision: 1,
     tiers: [],
-    unranked: [],
     n_pairs: 0,
     can_undo: false,
     can_redo: false,

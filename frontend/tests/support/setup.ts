@@ -41,6 +41,10 @@ HTMLElement.prototype.scrollIntoView = function scrollIntoView() {
   /* nothing is laid out here */
 };
 
+window.scrollTo = () => {
+  /* nothing is laid out here */
+};
+
 /** A context that ignores what is drawn. */
 HTMLCanvasElement.prototype.getContext = function getContext() {
   return {

@@ -19,7 +19,7 @@ Tiers = Annotated[
 
 
 class Ranking(Schema):
-    """``tiers`` best first; ``unranked``: own or borrowed recordings in no tier, newest first.
+    """``tiers`` best first. Unranked are the library's recordings and borrowed ones in no tier.
 
     Recordings that are not kept or not verified can't be ranked.
     """
@@ -27,7 +27,6 @@ class Ranking(Schema):
     behaviour_id: int
     revision: int
     tiers: list[list[int]]
-    unranked: list[int]
     n_pairs: int
     can_undo: bool
     can_redo: bool

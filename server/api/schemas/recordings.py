@@ -134,10 +134,15 @@ class RecordingUpdate(Schema):
     notes: Lines | None = Field(default=None, max_length=4000)
 
 
-class RecordingsChange(Schema):
+class ChosenRecordings(Schema):
+    """Recordings of a behaviour: as many as a page can select."""
+
+    recording_ids: list[Id] = Field(min_length=1, max_length=100_000)
+
+
+class RecordingsChange(ChosenRecordings):
     """A change of several recordings of a behaviour, made to all or to none."""
 
-    recording_ids: list[Id] = Field(min_length=1, max_length=500)
     change: Literal["delete", "restore", "mark_perfect", "unmark_perfect"]
 
 

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 from starlette.testclient import TestClient
 
+from testsupport.libraries import rows_of, unranked_in
 from testsupport.workplace import Workplace
 from tril.behaviours import Score
 from tril.recording import verify
@@ -37,8 +38,9 @@ def test_varied_games_are_added_unranked_and_said_to_be_what_they_are(
     assert {(one["player"], one["borrowed"]) for one in made} == {(None, False)}
     assert {one["verification"] for one in added} == {"verified"}
     ranking = client.get(f"{COLUMN_2}/ranking").json()
-    assert (ranking["tiers"], set(ranking["unranked"])) == ([], {one["id"] for one in added})
-    listed = client.get(f"{COLUMN_2}/borrowed").json()
+    assert ranking["tiers"] == []
+    assert set(unranked_in(client, COLUMN_2)) == {one["id"] for one in added}
+    listed = rows_of(client.get(f"{COLUMN_2}/borrowed").json())
     assert sorted(one["id"] for one in listed) == sorted(one["id"] for one in of_others)
     library = client.get(f"{COLUMN_2}/recordings").json()
     assert {one["id"] for one in library} == {one["id"] for one in made}
@@ -54,14 +56,16 @@ def test_a_borrowed_game_is_judged_by_its_borrower(
     assert at_home["id"] == firing
     assert (at_home["targets"], at_home["strays"], at_home["ranked"]) == (1, 0, True)
     add(client, 8)
-    shown = {one["id"]: one for one in client.get(f"{COLUMN_2}/borrowed").json()}
+    shown = {one["id"]: one for one in rows_of(client.get(f"{COLUMN_2}/borrowed").json())}
     assert sorted(shown) == sorted([firing, *others])
     borrowed = shown[firing]
     assert (borrowed["targets"], borrowed["strays"]) == (0, 1)
     assert not borrowed["perfect"]
     assert not borrowed["ranked"]
     client.put(f"{COLUMN_2}/ranking", json={"base_revision": 0, "tiers": [[firing]]})
-    assert {one["id"]: one for one in client.get(f"{COLUMN_2}/borrowed").json()}[firing]["ranked"]
+    assert {one["id"]: one for one in rows_of(client.get(f"{COLUMN_2}/borrowed").json())}[firing][
+        "ranked"
+    ]
 
 
 def test_a_game_is_given_back_once_it_is_off_the_board(
@@ -74,8 +78,8 @@ def test_a_game_is_given_back_once_it_is_off_the_board(
     assert "Take it off the board" in refused.json()["detail"]
     client.put(f"{COLUMN_2}/ranking", json={"base_revision": 1, "tiers": []})
     assert client.delete(f"{COLUMN_2}/borrowed/{one}").status_code == 204
-    assert client.get(f"{COLUMN_2}/borrowed").json() == []
-    assert one not in client.get(f"{COLUMN_2}/ranking").json()["unranked"]
+    assert rows_of(client.get(f"{COLUMN_2}/borrowed").json()) == []
+    assert one not in unranked_in(client, COLUMN_2)
     assert client.get(f"/api/recordings/{one}").json()["deleted"] is False
     assert client.delete(f"{COLUMN_2}/borrowed/{one}").status_code == 404
 
@@ -124,8 +128,8 @@ def test_a_policys_game_is_added_to_the_ranking_and_outlives_its_run(
     (added,) = answer.json()
     assert (added["id"], added["run_id"], added["borrowed"]) == (game, run_id, True)
     assert (added["perfect"], added["ranked"]) == (False, False)
-    assert client.get(f"{COLUMN_1}/ranking").json()["unranked"] == [game]
-    assert [one["id"] for one in client.get(f"{COLUMN_1}/borrowed").json()] == [game]
+    assert unranked_in(client, COLUMN_1) == [game]
+    assert [one["id"] for one in rows_of(client.get(f"{COLUMN_1}/borrowed").json())] == [game]
     (shown,) = client.get(f"/api/runs/{run_id}/results").json()["games"]
     assert shown["recording"]["borrowed"]
 
@@ -134,7 +138,7 @@ def test_a_policys_game_is_added_to_the_ranking_and_outlives_its_run(
     assert ranked.status_code == 200, ranked.text
     assert client.delete(f"/api/runs/{run_id}").status_code == 204
     assert client.get(f"{COLUMN_1}/ranking").json()["tiers"] == tiers
-    (kept,) = client.get(f"{COLUMN_1}/borrowed").json()
+    (kept,) = rows_of(client.get(f"{COLUMN_1}/borrowed").json())
     assert (kept["id"], kept["ranked"]) == (game, True)
     again = client.post("/api/runs", json={"behaviour_id": 1})
     assert again.status_code == 201, again.text
@@ -153,7 +157,7 @@ def test_games_that_can_not_be_added_are_refused_by_name(
     assert add_games([999]) == (404, "There are no such recordings: 999.")
     assert add_games([own], "/api/behaviours/999")[0] == 404
     assert add_games([])[0] == add_games([own] * 61)[0] == add_games([0])[0] == 422
-    assert client.get(f"{COLUMN_1}/borrowed").json() == []
+    assert rows_of(client.get(f"{COLUMN_1}/borrowed").json()) == []
 
 
 @pytest.mark.parametrize("body", [{"count": 0}, {"count": 61}, {"count": "x"}, {"n": 3}])

@@ -15,6 +15,7 @@ from server.api.imports import MAX_IMPORTED
 from server.play.replays.products import read_frames_file
 from server.play.wire.codec import FrameDecoder
 from tests.server.clients import replayed, stored
+from testsupport.libraries import unranked_in
 from testsupport.workplace import FRAMES, Workplace
 from tril.games.atari.console import Console
 from tril.games.atari.palette import palette_rgb
@@ -103,7 +104,7 @@ def test_a_deleted_behaviour_comes_back_with_everything_it_had(
     before = client.get(path).json()
     assert client.delete(path).status_code == 204
     assert client.post(f"{path}/restore").json() == before
-    assert client.get(f"{path}/ranking").json()["unranked"] == [one]
+    assert unranked_in(client, path) == [one]
     assert client.post("/api/behaviours/999/restore").status_code == 404
 
 
@@ -300,7 +301,7 @@ def test_deleting_a_ranked_recording_takes_it_out_of_the_ranking_and_restoring_p
     restored = client.get("/api/behaviours/1/ranking").json()
     assert restored["tiers"] == before["tiers"]
     assert restored["revision"] == after["revision"] + 1
-    assert restored["unranked"] == []
+    assert unranked_in(client, "/api/behaviours/1") == []
 
 
 def test_a_recording_that_was_unranked_when_it_was_deleted_comes_back_unranked(
@@ -316,7 +317,7 @@ def test_a_recording_that_was_unranked_when_it_was_deleted_comes_back_unranked(
     client.delete(path)
     client.post(f"{path}/restore")
     assert client.get(ranking).json()["tiers"] == tiers
-    assert client.get(ranking).json()["unranked"] == [gone]
+    assert unranked_in(client, "/api/behaviours/1") == [gone]
 
 
 def test_several_are_deleted_in_one_revision_and_brought_back(
@@ -325,8 +326,8 @@ def test_several_are_deleted_in_one_revision_and_brought_back(
     path = "/api/behaviours/1/recordings/change"
     gone = list(workplace.ranked[:2])
     before = client.get("/api/behaviours/1/ranking").json()
-    deleted = client.post(path, json={"recording_ids": gone, "change": "delete"}).json()
-    assert [item["deleted"] for item in deleted] == [True, True]
+    assert client.post(path, json={"recording_ids": gone, "change": "delete"}).status_code == 204
+    assert [client.get(f"/api/recordings/{key}").json()["deleted"] for key in gone] == [True] * 2
     after = client.get("/api/behaviours/1/ranking").json()
     assert after["tiers"] == [[key] for key in workplace.ranked[2:]]
     assert after["revision"] == before["revision"] + 1
@@ -404,6 +405,10 @@ def test_only_recordings_of_the_behaviour_are_changed_or_exported(
     exported = client.get("/api/behaviours/1/recordings/export", params=chosen)
     assert [json.loads(line)["tier"] for line in exported.text.splitlines()] == [1, 3]
     assert client.get("/api/behaviours/2/recordings/export", params=chosen).status_code == 404
+    same = client.post(
+        "/api/behaviours/1/recordings/export", json={"recording_ids": chosen["recording"]}
+    )
+    assert same.text == exported.text
 
 
 def test_a_game_that_is_played_can_not_be_kept_or_deleted(

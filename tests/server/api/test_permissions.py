@@ -70,7 +70,13 @@ OWN_GAMES_OF_BEHAVIOUR = {
     "get_game",
 }
 """Operations on games, which a participant may do with their own."""
-OF_BEHAVIOUR = {"get_behaviour", "get_checklist", "list_recordings"}
+OF_BEHAVIOUR = {
+    "get_behaviour",
+    "get_checklist",
+    "list_recordings",
+    "get_library",
+    "list_shown_recordings",
+}
 """Operations on behaviours that a participant may play; what they answer is filtered."""
 OF_ONESELF = {"get_player", "update_player", "sign_out", "list_behaviours", "create_game"}
 """Operations that everybody may do who is signed in."""
@@ -178,6 +184,8 @@ class World:
         """Ask for an operation on things, as somebody of a role."""
         url = re.sub(r"{(\w+)}", lambda name: str(ids[name[1]]), path)
         query = {"step": "0", "method": "gradient"} if "attention" in path else {}
+        if path.endswith("/library/recordings"):
+            query = {"recording": str(ids["recording_id"])}
         body: dict[str, Any] = {"name": "Kim", "behaviour_id": ids["behaviour_id"], "frame": 0}
         if path.endswith("/role"):
             body = {"role": "participant", "behaviour_id": ids["behaviour_id"]}
@@ -340,6 +348,12 @@ def test_the_lists_of_a_participant_hold_only_their_own(world: World) -> None:
     visitor = world.visitor("participant")
     listed = visitor.get("/api/behaviours/1/recordings", params={"include": "policy"}).json()
     assert [one["id"] for one in listed] == [world.participants["recording_id"]]
+    brief = visitor.get("/api/behaviours/1/library", params={"deleted": True}).json()
+    assert brief["recordings"]["id"] == [world.participants["recording_id"]]
+    assert (brief["ranked"], any(brief["recordings"]["perfect"])) == ([], False)
+    both = [world.owners["recording_id"], world.participants["recording_id"]]
+    shown = visitor.get("/api/behaviours/1/library/recordings", params={"recording": both}).json()
+    assert [one["id"] for one in shown] == [world.participants["recording_id"]]
     (behaviour,) = visitor.get("/api/behaviours").json()
     assert (behaviour["id"], behaviour["n_recordings"], behaviour["n_ranked"]) == (1, 0, 0)
     checklist = visitor.get("/api/behaviours/1/checklist").json()

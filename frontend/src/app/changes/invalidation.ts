@@ -9,7 +9,14 @@ export function staleKeys({ topic, key }: Change): QueryKey[] {
     case "run":
       return [["run", key], ["results", key], ["metrics", key], ["runs"], ["behaviours"]];
     case "recording":
-      return [["recordings"], ["recording", Number(key)], ["ranking"], ["behaviours"]];
+      return [["recordings"], ["recording", Number(key)], ["behaviours"]];
+    case "library":
+      // Many recordings at once; without a key, of any behaviour.
+      return [
+        key === "" ? ["recordings"] : ["recordings", Number(key)],
+        ["recording"],
+        ["behaviours"],
+      ];
     case "ranking":
       return [
         ["ranking", Number(key)],

@@ -1,6 +1,6 @@
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 
-import { addGames, giveBack } from "@/api/borrowed";
+import { addGames, giveBack } from "@/api/library";
 import { messageOf } from "@/api/client";
 import type { Recording } from "@/api/types";
 import { useToast } from "@/components/feedback/Toasts";
@@ -8,7 +8,7 @@ import { useToast } from "@/components/feedback/Toasts";
 interface Borrowing {
   /** Adds recordings to the ranking's games, all or none; resolves to whether they are in. */
   add: (ids: readonly number[]) => Promise<boolean>;
-  giveBack: (recording: Recording) => void;
+  giveBack: (recording: Pick<Recording, "id">) => void;
   isPending: boolean;
   /** Loads the recordings that can be ranked again. */
   refresh: () => Promise<unknown>;
@@ -30,7 +30,7 @@ export function useBorrowing(behaviourId: number): Borrowing {
     ...settle,
   });
   const givingBack = useMutation({
-    mutationFn: ({ id }: Recording) => giveBack(behaviourId, id),
+    mutationFn: ({ id }: Pick<Recording, "id">) => giveBack(behaviourId, id),
     ...settle,
   });
   return {

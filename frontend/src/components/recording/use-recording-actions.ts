@@ -6,11 +6,11 @@ import {
   changeRecordings,
   deleteRecording,
   keepRecording,
-  recordingsQuery,
   restoreRecording,
   updateRecording,
 } from "@/api/recordings";
-import type { Recording, RecordingsChange, RecordingUpdate } from "@/api/types";
+import type { LibraryEntry, Recording, RecordingsChange, RecordingUpdate } from "@/api/types";
+import { type KnownLibrary, libraryQuery } from "@/api/library";
 import { useToast } from "@/components/feedback/Toasts";
 import { isUndecided, recordingName } from "@/lib/recordings";
 
@@ -23,59 +23,76 @@ interface RecordingActions {
   remove: (recording: Recording) => void;
   restore: (recording: Recording) => void;
   /** Applies one change to several recordings, atomically; deletion can be undone. */
-  changeAll: (recordings: readonly Recording[], change: RecordingsChange["change"]) => void;
+  changeAll: (ids: readonly number[], change: RecordingsChange["change"]) => void;
 }
 
 /** Changes to recordings, applied optimistically and rolled back if the server refuses. */
 export function useRecordingActions(behaviourId: number): RecordingActions {
   const client = useQueryClient();
   const toast = useToast();
-  const { queryKey } = recordingsQuery(behaviourId);
+  const { queryKey } = libraryQuery(behaviourId);
 
-  function show(change: (list: Recording[]) => Recording[]) {
-    const before = client.getQueryData(queryKey);
-    client.setQueryData(queryKey, (list) => list && change(list));
-    return before;
+  /** Shows a change in the library and on the card; returns what to restore if it is refused. */
+  async function show(
+    id: number,
+    change: (entries: readonly LibraryEntry[]) => readonly LibraryEntry[],
+    body: RecordingUpdate = {},
+  ) {
+    const cards = { queryKey: ["recording", id, "for"] };
+    await Promise.all([client.cancelQueries({ queryKey }), client.cancelQueries(cards)]);
+    const before = [
+      [queryKey, client.getQueryData<KnownLibrary>(queryKey)] as const,
+      ...client.getQueriesData<Recording>(cards),
+    ];
+    client.setQueryData<KnownLibrary>(
+      queryKey,
+      (known) => known && { ...known, entries: change(known.entries) },
+    );
+    client.setQueriesData<Recording>(cards, (one) => one && changed(one, body));
+    return () => before.forEach(([key, data]) => client.setQueryData(key, data));
   }
 
-  function settle() {
+  function settle(...ids: readonly number[]) {
     void client.invalidateQueries({ queryKey });
-    void client.invalidateQueries({ queryKey: ["recording"] });
+    if (ids.length === 0) void client.invalidateQueries({ queryKey: ["recording"] });
+    for (const id of ids) void client.invalidateQueries({ queryKey: ["recording", id] });
     void client.invalidateQueries({ queryKey: ["behaviours"] });
     void client.invalidateQueries({ queryKey: ["ranking", behaviourId] });
   }
 
   const update = useMutation({
     mutationFn: ({ id, body }: { id: number; body: RecordingUpdate }) => updateRecording(id, body),
-    onMutate: async ({ id, body }) => {
-      await client.cancelQueries({ queryKey });
-      return show((list) => list.map((one) => (one.id === id ? changed(one, body) : one)));
-    },
-    onError: (error, _change, before) => {
-      client.setQueryData(queryKey, before);
+    onMutate: ({ id, body }) =>
+      show(
+        id,
+        (entries) =>
+          entries.map((one) =>
+            one.id === id ? { ...one, perfect: body.perfect ?? one.perfect } : one,
+          ),
+        body,
+      ),
+    onError: (error, _change, takeBack) => {
+      takeBack?.();
       toast(messageOf(error));
     },
-    onSettled: settle,
+    onSettled: (_answer, _error, { id }) => settle(id),
   });
 
   const restore = useMutation({
     mutationFn: (id: number) => restoreRecording(id),
     onError: (error) => toast(messageOf(error)),
-    onSettled: settle,
+    onSettled: (_answer, _error, id) => settle(id),
   });
 
   const keep = useMutation({
     mutationFn: (id: number) => keepRecording(id),
     onError: (error) => toast(messageOf(error)),
-    onSettled: settle,
+    onSettled: (_answer, _error, id) => settle(id),
   });
 
   const remove = useMutation({
     mutationFn: (recording: Recording) => deleteRecording(recording.id),
-    onMutate: async (recording) => {
-      await client.cancelQueries({ queryKey });
-      return show((list) => list.filter((one) => one.id !== recording.id));
-    },
+    onMutate: ({ id }) => show(id, (entries) => entries.filter((one) => one.id !== id)),
     onSuccess: (_nothing, recording) => {
       const name = recordingName(recording);
       toast(isUndecided(recording) ? t`${name} discarded.` : t`${name} deleted.`, {
@@ -83,11 +100,11 @@ export function useRecordingActions(behaviourId: number): RecordingActions {
         run: () => restore.mutate(recording.id),
       });
     },
-    onError: (error, _recording, before) => {
-      client.setQueryData(queryKey, before);
+    onError: (error, _recording, takeBack) => {
+      takeBack?.();
       toast(messageOf(error));
     },
-    onSettled: settle,
+    onSettled: (_answer, _error, { id }) => settle(id),
   });
 
   const changeAll = useMutation({
@@ -100,7 +117,7 @@ export function useRecordingActions(behaviourId: number): RecordingActions {
       });
     },
     onError: (error) => toast(messageOf(error)),
-    onSettled: settle,
+    onSettled: () => settle(),
   });
 
   return {
@@ -109,8 +126,7 @@ export function useRecordingActions(behaviourId: number): RecordingActions {
     keep: ({ id }) => keep.mutate(id),
     remove: (recording) => remove.mutate(recording),
     restore: ({ id }) => restore.mutate(id),
-    changeAll: (recordings, change) =>
-      changeAll.mutate({ recording_ids: recordings.map(({ id }) => id), change }),
+    changeAll: (ids, change) => changeAll.mutate({ recording_ids: [...ids], change }),
   };
 }
 

@@ -11,6 +11,7 @@ import { Button, ButtonLink } from "@/components/controls/Button";
 import { Failed, Loading } from "@/components/feedback/States";
 import { AlienGrid } from "@/components/game/AlienGrid";
 import { ThingMark } from "@/components/game/ThingMark";
+import { useFirst } from "@/components/list/use-first";
 import { PageTitle } from "@/components/PageTitle";
 import { useOnlyPlays } from "@/components/people/use-only-plays";
 import { Tour } from "@/features/behaviours/tour/Tour";
@@ -22,12 +23,16 @@ import { FinishedExampleButton } from "./FinishedExampleButton";
 import styles from "./HomePage.module.css";
 import { NewBehaviourDialog } from "./NewBehaviourDialog";
 
+/** How many behaviours are shown at a time. */
+const CARDS = 48;
+
 /** The list of behaviours; until something other than examples was made, an introduction too. */
 export function HomePage() {
   const behaviours = useQuery(behavioursQuery);
   const onlyPlays = useOnlyPlays();
   const runs = useQuery({ ...runsQuery(), enabled: onlyPlays === false });
   const [making, setMaking] = useState(false);
+  const [shown, more] = useFirst(behaviours.data ?? [], CARDS);
 
   if (behaviours.error && !behaviours.data) {
     return (
@@ -64,7 +69,7 @@ export function HomePage() {
         )}
       </div>
       <ul className={styles.cards}>
-        {all.map((behaviour) => (
+        {shown.map((behaviour) => (
           <li key={behaviour.id}>
             <Card
               behaviour={behaviour}
@@ -74,6 +79,7 @@ export function HomePage() {
           </li>
         ))}
       </ul>
+      {more}
       {making && <NewBehaviourDialog onClose={() => setMaking(false)} />}
     </>
   );

@@ -4,6 +4,7 @@ import { useMutation, useQuery } from "@tanstack/react-query";
 import { messageOf } from "@/api/client";
 import { browsersQuery, signBrowserOut } from "@/api/people";
 import { Failed, Loading, Notice } from "@/components/feedback/States";
+import { useFirst } from "@/components/list/use-first";
 import { moment } from "@/lib/format";
 
 import { Credential } from "./Credential";
@@ -13,6 +14,7 @@ import { roleName } from "./words";
 /** The browsers that are signed in, each with a button that signs it out. */
 export function Browsers() {
   const { data: browsers, error, refetch } = useQuery(browsersQuery);
+  const [shown, more] = useFirst(browsers ?? []);
   const end = useMutation({ mutationFn: signBrowserOut, onSettled: () => void refetch() });
   if (error && !browsers) {
     return <Failed what={t`The browsers`} error={error} onRetry={() => void refetch()} />;
@@ -26,7 +28,7 @@ export function Browsers() {
         </Notice>
       )}
       <ul className={styles.rows}>
-        {browsers.map(({ id, name, player, role, seen_at: seen, created_at: created, present }) => (
+        {shown.map(({ id, name, player, role, seen_at: seen, created_at: created, present }) => (
           <Credential
             key={id}
             note={present ? t`This browser` : t`Last used ${moment(seen ?? created)}`}
@@ -45,6 +47,7 @@ export function Browsers() {
           </Credential>
         ))}
       </ul>
+      {more}
     </>
   );
 }

@@ -10,6 +10,7 @@ import { Button } from "@/components/controls/Button";
 import { useDraft } from "@/components/controls/drafts";
 import { Field } from "@/components/controls/Field";
 import { Failed, Loading, Notice } from "@/components/feedback/States";
+import { useFirst } from "@/components/list/use-first";
 import { moment } from "@/lib/format";
 
 import { Credential } from "./Credential";
@@ -26,6 +27,7 @@ const DAYS = { default: 30, most: 366 };
 /** The invitations, each with a button that revokes it, and a form that makes one. */
 export function Invitations() {
   const { data: invitations, error, refetch } = useQuery(invitationsQuery);
+  const [shown, more] = useFirst(invitations ?? []);
   const { data: behaviours = [] } = useQuery(behavioursQuery);
   const revoke = useMutation({ mutationFn: revokeInvitation, onSettled: () => void refetch() });
   if (error && !invitations) {
@@ -42,7 +44,7 @@ export function Invitations() {
         </Notice>
       )}
       <ul className={styles.rows}>
-        {invitations.map((invitation) => {
+        {shown.map((invitation) => {
           const { id, name, role, behaviour_id: of } = invitation;
           return (
             <Credential
@@ -61,6 +63,7 @@ export function Invitations() {
           );
         })}
       </ul>
+      {more}
       <NewInvitationForm onMade={() => void refetch()} />
     </>
   );

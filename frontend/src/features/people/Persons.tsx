@@ -8,15 +8,19 @@ import { changeRole, peopleQuery } from "@/api/people";
 import type { Person } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Failed, Loading, Notice } from "@/components/feedback/States";
+import { useFirst } from "@/components/list/use-first";
 
 import styles from "./PeoplePage.module.css";
 import { roleName } from "./words";
 
 const RESEARCHER = "researcher";
+/** How many people are shown at a time: each has a menu of all behaviours. */
+const FORMS = 20;
 
 /** The people who were let in, with what they may do, which the owner can change. */
 export function Persons() {
   const { data: people, error, refetch } = useQuery(peopleQuery);
+  const [shown, more] = useFirst(people ?? [], FORMS);
   const change = useMutation({ mutationFn: changeRole, onSettled: () => void refetch() });
   if (error && !people) {
     return <Failed what={t`The people`} error={error} onRetry={() => void refetch()} />;
@@ -30,7 +34,7 @@ export function Persons() {
         </Notice>
       )}
       <ul className={styles.rows}>
-        {people.map((person) => (
+        {shown.map((person) => (
           <li key={person.id}>
             <span className={styles.what}>
               <strong>{person.name}</strong> <small>{roleName(person.role)}</small>
@@ -47,6 +51,7 @@ export function Persons() {
           </li>
         ))}
       </ul>
+      {more}
     </>
   );
 }

@@ -2,7 +2,7 @@ import { plural, t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 import { Link, useSearchParams } from "react-router";
 
-import type { Behaviour, Recording } from "@/api/types";
+import type { Behaviour, LibraryEntry } from "@/api/types";
 import { ButtonLink } from "@/components/controls/Button";
 import { Icon } from "@/components/controls/Icon";
 import { RunName } from "@/components/RunName";
@@ -24,7 +24,7 @@ interface Hint {
 }
 
 /** Returns what training needs and whether it is there. */
-function hintsFor(tiers: Tiers, recordings: readonly Recording[]): readonly Hint[] {
+function hintsFor(tiers: Tiers, recordings: readonly LibraryEntry[]): readonly Hint[] {
   const ranked = new Set(tiers.flat());
   const nRanked = ranked.size;
   const nBorrowed = recordings.filter((one) => one.borrowed && ranked.has(one.id)).length;
@@ -80,7 +80,7 @@ function rankedText(n: number, nBorrowed: number): string {
 }
 
 /** Whether a run can be started. */
-function canTrain(tiers: Tiers, recordings: readonly Recording[]): boolean {
+function canTrain(tiers: Tiers, recordings: readonly LibraryEntry[]): boolean {
   return hintsFor(tiers, recordings).every(({ done, optional }) => done || optional);
 }
 
@@ -91,7 +91,7 @@ export function Hints({
   behaviour,
 }: {
   tiers: Tiers;
-  recordings: readonly Recording[];
+  recordings: readonly LibraryEntry[];
   behaviour: Behaviour;
 }) {
   const at = `/behaviours/${behaviour.id}`;

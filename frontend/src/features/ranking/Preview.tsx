@@ -1,7 +1,9 @@
 import { t } from "@lingui/core/macro";
+import { keepPreviousData, useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 
-import type { Behaviour, Recording } from "@/api/types";
+import { shownQuery } from "@/api/library";
+import type { Behaviour } from "@/api/types";
 import { RecordingScreen } from "@/components/recording/RecordingScreen";
 import { WatchDialog } from "@/components/recording/WatchDialog";
 import { recordingName, describeScore } from "@/lib/recordings";
@@ -12,15 +14,21 @@ const PREVIEW = { width: 352, height: 210 } as const;
 
 /** A preview of the recording that is pointed at. */
 export function Preview({
-  recording,
+  recordingId,
   playing,
   behaviour,
 }: {
-  recording: Recording | undefined;
+  recordingId: number | undefined;
   playing: boolean;
   behaviour: Behaviour;
 }) {
   const [watching, setWatching] = useState(false);
+  const { data: recording } = useQuery({
+    ...shownQuery(behaviour.id, recordingId ?? 0),
+    enabled: recordingId !== undefined,
+    // The one before stays until the next is there, so that nothing jumps.
+    placeholderData: keepPreviousData,
+  });
   const nTargets = behaviour.target?.length ?? null;
   if (!recording) return null;
   return (

@@ -3,7 +3,7 @@ import { Plural, Trans } from "@lingui/react/macro";
 import { useCallback, useEffect, useMemo, useState } from "react";
 import { useLocation, useSearchParams } from "react-router";
 
-import type { Behaviour, Ranking, Recording } from "@/api/types";
+import type { Behaviour, LibraryEntry, Ranking, Recording } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { useToast } from "@/components/feedback/Toasts";
 import { useBorrowing } from "@/components/recording/use-borrowing";
@@ -18,7 +18,8 @@ import {
   findPlace,
   isGap,
 } from "@/features/ranking/board/places";
-import { CardBody, type Move } from "@/features/ranking/board/RankCard";
+import { DraggedCard } from "@/features/ranking/board/ShownCard";
+import type { Move } from "@/features/ranking/board/RankCard";
 import { useKeptFocus } from "@/features/ranking/board/use-kept-focus";
 import { canCompare, CompareDialog } from "@/features/ranking/comparing/CompareDialog";
 import { Opinion } from "@/features/ranking/opinion/Opinion";
@@ -30,7 +31,7 @@ import type { SaverState } from "@/features/ranking/order/saver";
 import { useRankingSaver } from "@/features/ranking/order/use-ranking";
 import { useUndoKeys } from "@/features/ranking/order/use-undo-keys";
 import { classes } from "@/lib/classes";
-import { recordingName } from "@/lib/recordings";
+import { recordingName, whyUnrankable } from "@/lib/recordings";
 import { selectedBy } from "@/lib/selection";
 
 import { ConflictDialog } from "./ConflictDialog";
@@ -46,7 +47,8 @@ import { VariedGames } from "./VariedGames";
 interface RankingDeskProps {
   behaviour: Behaviour;
   ranking: Ranking;
-  recordings: readonly Recording[];
+  /** The library and what is borrowed, in brief, newest first. */
+  recordings: readonly LibraryEntry[];
 }
 
 /** The board with the tray, the preview and the hints beside it. */
@@ -64,12 +66,15 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
   const byId = useMemo(() => new Map(recordings.map((one) => [one.id, one])), [recordings]);
   const narrow = useMedia("(max-width: 66rem)");
   const { tiers } = state;
-  const unranked = unrankedOf(state);
+  const unranked = useMemo(() => unrankedOf(recordings, tiers), [recordings, tiers]);
   const arrivedWith: unknown = useLocation().state;
   const [chosen, setChosen] = useState<ReadonlySet<number>>(
     () => new Set(selectedBy(arrivedWith).filter((id) => unranked.includes(id))),
   );
-  const selected = [...tiers.flat(), ...unranked].filter((id) => chosen.has(id));
+  const selected = useMemo(
+    () => [...tiers.flat(), ...unranked].filter((id) => chosen.has(id)),
+    [tiers, unranked, chosen],
+  );
   const [search, setSearch] = useSearchParams();
   const [compared, setCompared] = useState(
     search.has("compare") && canCompare(state, unranked) ? unranked : null,
@@ -77,7 +82,13 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
   const [dragging, setDragging] = useState(false);
   useUndoKeys(saver, compared === null && !dragging);
   useChangesElsewhere(state);
-  const keepFocus = useKeptFocus(tiers);
+  const refocus = useKeptFocus(tiers);
+  /** The card that was moved last, which is laid out even out of sight, to keep the focus. */
+  const [moved, setMoved] = useState<number | null>(null);
+  const keepFocus: typeof refocus = (id, kind) => {
+    setMoved(id);
+    refocus(id, kind);
+  };
 
   const nameOfItem = useCallback((item: string) => recordingName({ id: Number(item) }), []);
   const nameOfPlace = useCallback((to: string) => describePlace(to, tiers), [tiers]);
@@ -106,7 +117,10 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
   }
 
   const isComparable = canCompare(state, unranked);
-  const selectedUnranked = selected.filter((id) => unranked.includes(id));
+  const selectedUnranked = useMemo(
+    () => unranked.filter((id) => chosen.has(id)),
+    [unranked, chosen],
+  );
   const placeByComparing = () =>
     setCompared(selectedUnranked.length > 0 ? selectedUnranked : unranked);
 
@@ -120,6 +134,7 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
 
   const desk = {
     tiers,
+    moved,
     recordings: byId,
     behaviour,
     previewed,
@@ -172,8 +187,7 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
         if (at) saver.change(place(tiers, Number(item), at));
       }}
       renderDragged={(item) => {
-        const recording = byId.get(Number(item));
-        return recording && <CardBody recording={recording} behaviour={behaviour} />;
+        return <DraggedCard recordingId={Number(item)} behaviour={behaviour} />;
       }}
     >
       <div className={classes(styles.page, selected.length > 0 && styles.selecting)}>
@@ -213,7 +227,7 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
         <div className={styles.side}>
           {!narrow && (
             <Preview
-              recording={byId.get(previewed ?? tiers[0]?.[0] ?? unranked[0] ?? 0)}
+              recordingId={previewed ?? tiers[0]?.[0] ?? unranked[0]}
               playing={previewed !== null}
               behaviour={behaviour}
             />
@@ -299,8 +313,10 @@ function useChangesElsewhere({ waiting, nReplaced }: SaverState): void {
   }, [nReplaced, before, toast]);
 }
 
-/** Returns the recordings of the saved ranking that are in none of the current tiers. */
-function unrankedOf({ saved, tiers }: SaverState): readonly number[] {
+/** Returns the recordings that can be ranked and are in none of the tiers. */
+function unrankedOf(recordings: readonly LibraryEntry[], tiers: Tiers): readonly number[] {
   const ranked = new Set(tiers.flat());
-  return [...saved.unranked, ...saved.tiers.flat()].filter((id) => !ranked.has(id));
+  return recordings.flatMap((one) =>
+    !ranked.has(one.id) && whyUnrankable(one) === null ? [one.id] : [],
+  );
 }

@@ -3,7 +3,7 @@ import { Trans } from "@lingui/react/macro";
 import { useMutation } from "@tanstack/react-query";
 
 import { messageOf } from "@/api/client";
-import type { Behaviour, Recording } from "@/api/types";
+import type { Behaviour, LibraryEntry, Recording } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { useToast } from "@/components/feedback/Toasts";
 import { useBorrowing } from "@/components/recording/use-borrowing";
@@ -13,7 +13,7 @@ import styles from "./VariedGames.module.css";
 
 interface VariedGamesProps {
   behaviour: Behaviour;
-  unranked: readonly Recording[];
+  unranked: readonly LibraryEntry[];
   onAdded: (added: readonly Recording[]) => void;
   onSelect: (ids: readonly number[]) => void;
 }

@@ -4,7 +4,7 @@ import { useQuery } from "@tanstack/react-query";
 import { type DragEvent, useState } from "react";
 import { Link, useSearchParams } from "react-router";
 
-import { recordingsQuery } from "@/api/recordings";
+import { libraryQuery } from "@/api/library";
 import type { Behaviour, Recording } from "@/api/types";
 import { Button, ButtonLink } from "@/components/controls/Button";
 import { Empty, Failed, Loading } from "@/components/feedback/States";
@@ -16,7 +16,7 @@ import { Library } from "@/features/recordings/library/Library";
 
 /** The recordings of a behaviour: watch, mark, annotate, delete, import, export. */
 export function RecordingsPage({ behaviour }: { behaviour: Behaviour }) {
-  const { data, error, refetch } = useQuery(recordingsQuery(behaviour.id));
+  const { data, error, refetch } = useQuery(libraryQuery(behaviour.id));
   const [search] = useSearchParams();
   const asksForDeleted = readFilter(search).show === "deleted";
   const [watched, setWatched] = useState<Recording | null>(null);
@@ -38,10 +38,15 @@ export function RecordingsPage({ behaviour }: { behaviour: Behaviour }) {
   return (
     // Dropping a file has a keyboard equivalent, the Import button.
     <div onDragOver={(event) => event.preventDefault()} onDrop={drop}>
-      {data.length === 0 && !asksForDeleted ? (
+      {data.entries.length === 0 && !asksForDeleted ? (
         <NoRecordings behaviour={behaviour} onImport={onImport} />
       ) : (
-        <Library recordings={data} behaviour={behaviour} onWatch={setWatched} onImport={onImport} />
+        <Library
+          recordings={data.entries}
+          behaviour={behaviour}
+          onWatch={setWatched}
+          onImport={onImport}
+        />
       )}
       {watched && (
         <WatchDialog

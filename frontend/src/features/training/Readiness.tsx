@@ -3,7 +3,7 @@ import { Plural, Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import { Link, useSearchParams } from "react-router";
 
-import { borrowedQuery } from "@/api/borrowed";
+import { borrowedQuery } from "@/api/library";
 import type { Behaviour } from "@/api/types";
 import { Notice } from "@/components/feedback/States";
 import { continuing, withSearch } from "@/lib/runs";

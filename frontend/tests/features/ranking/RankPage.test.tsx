@@ -7,6 +7,7 @@ import { readDraft, writeDraft } from "@/lib/browser/drafts";
 import { RankPage } from "@/features/ranking/RankPage";
 
 import { behaviour, ranking, recording } from "../../support/data";
+import { libraryRoutes } from "../../support/library";
 import { show } from "../../support/page";
 import { type Asked, Refusal, serve } from "../../support/server";
 
@@ -35,12 +36,10 @@ function rankingServer(
   let standing = ranking(begin);
   const history = [standing];
   const put = (tiers: number[][], more: Partial<Ranking> = {}) => {
-    const ranked = tiers.flat();
     standing = ranking({
       ...more,
       revision: standing.revision + 1,
       tiers,
-      unranked: all.map(({ id }) => id).filter((id) => !ranked.includes(id)),
       can_undo: true,
     });
     history.push(standing);
@@ -51,12 +50,10 @@ function rankingServer(
     recording({ id: 12, source: "varied", player: null, targets: 0 }),
     recording({ id: 13, source: "varied", player: null, targets: 6 }),
   ];
-  const borrowed = () => all.filter((one) => one.borrowed);
   const asked = serve({
-    "GET /api/behaviours/1/borrowed": () => borrowed(),
+    ...libraryRoutes(() => all),
     "POST /api/behaviours/1/borrowed": () => {
       all.push(...varied);
-      standing = { ...standing, unranked: [...standing.unranked, 11, 12, 13] };
       return varied;
     },
     "DELETE /api/behaviours/1/borrowed/11": () => {
@@ -64,7 +61,6 @@ function rankingServer(
         all.findIndex(({ id }) => id === 11),
         1,
       );
-      standing = { ...standing, unranked: standing.unranked.filter((id) => id !== 11) };
       return undefined;
     },
     "GET /api/behaviours/1/ranking": () => standing,
@@ -74,7 +70,6 @@ function rankingServer(
       wanted: WANTED,
       ...opinion(),
     }),
-    "GET /api/behaviours/1/recordings": () => all.filter((one) => !one.borrowed),
     "PUT /api/behaviours/1/ranking": ({ body }: Asked) => {
       const { base_revision: base, tiers } = body as { base_revision: number; tiers: number[][] };
       if (base === standing.revision) return put(tiers);
@@ -96,6 +91,7 @@ async function open(
   const server = rankingServer(begin, opinion, more);
   const page = show(<RankPage behaviour={behaviour({ n_recordings: 4 })} />, path);
   await screen.findByRole("heading", { name: "Best to worst" });
+  await waitFor(() => expect(document.querySelector("[aria-busy=true]")).toBeNull());
   return { ...server, ...page };
 }
 
@@ -117,7 +113,7 @@ describe("a run that is to be continued", () => {
   const further = "continue=abcdef00-0000-4000-8000-000000000000&steps=200000";
 
   it("is led on with to the training form, and named", async () => {
-    await open({ tiers: [[1], [2]], unranked: [3, 4] }, undefined, [], `/?${further}`);
+    await open({ tiers: [[1], [2]] }, undefined, [], `/?${further}`);
     expect(screen.getByText("The next run continues Run abcdef.")).toBeVisible();
     expect(screen.getByRole("link", { name: "Continue to Train" })).toHaveAttribute(
       "href",
@@ -126,12 +122,7 @@ describe("a run that is to be continued", () => {
   });
 
   it("stays when placing by comparing ends", async () => {
-    const { router } = await open(
-      { tiers: [[1], [2]], unranked: [3, 4] },
-      undefined,
-      [],
-      `/?${further}&compare`,
-    );
+    const { router } = await open({ tiers: [[1], [2]] }, undefined, [], `/?${further}&compare`);
     await userEvent.click(screen.getByRole("button", { name: "Close" }));
     await waitFor(() => expect(router.state.location.search).toBe(`?${further}`));
   });
@@ -147,13 +138,13 @@ describe("unranked recordings below all tiers", () => {
 
   it("are led to from above the tiers", async () => {
     narrow();
-    await open({ tiers: [[1], [2]], unranked: [3, 4] });
+    await open({ tiers: [[1], [2]] });
     await press("2 games not ranked yet");
     expect(screen.getByRole("heading", { name: "Unranked (2)" })).toHaveFocus();
   });
 
   it("need no lead while there are none, or beside the tiers", async () => {
-    await open({ tiers: [[1], [2]], unranked: [3, 4] });
+    await open({ tiers: [[1], [2]] });
     expect(screen.queryByRole("button", { name: /not ranked yet/ })).toBeNull();
     narrow();
     await press("Rank as worst: Recording 3");
@@ -164,7 +155,7 @@ describe("unranked recordings below all tiers", () => {
 
 describe("a game that was rewound", () => {
   it("is offered as a pair with its other branch, and ranked next to it", async () => {
-    const server = await open({ tiers: [[1], [3], [2]], unranked: [4] });
+    const server = await open({ tiers: [[1], [3], [2]] });
     const pair = within(screen.getByRole("region", { name: "Pairs to compare" }));
     expect(pair.getByText("Recording 4 branches off Recording 3 at 5.0 s.")).toBeVisible();
     await userEvent.click(pair.getByRole("button", { name: "4 is better" }));
@@ -176,7 +167,7 @@ describe("a game that was rewound", () => {
 
 describe("ranking by buttons", () => {
   it("takes recordings from the tray, moves, ties and unties them, and saves each change", async () => {
-    const server = await open({ unranked: [1, 2, 3, 4] });
+    const server = await open({});
     expect(board()).toEqual([]);
     await press("Rank as worst: Recording 1");
     await press("Rank as worst: Recording 2");
@@ -195,7 +186,7 @@ describe("ranking by buttons", () => {
   });
 
   it("saves by itself once the network is back", async () => {
-    const server = await open({ tiers: [[1], [3], [2]], unranked: [4] });
+    const server = await open({ tiers: [[1], [3], [2]] });
     const online = globalThis.fetch;
     vi.stubGlobal("fetch", () => Promise.reject(new TypeError("offline")));
     await press("Rank as worst: Recording 4");
@@ -208,7 +199,7 @@ describe("ranking by buttons", () => {
   });
 
   it("says where a recording went", async () => {
-    await open({ tiers: [[1], [2], [3]], unranked: [4] });
+    await open({ tiers: [[1], [2], [3]] });
     await press("Up: Recording 3");
     expect(screen.getByText("Recording 3: tier 2 of 3, alone.")).toBeInTheDocument();
     await press("Tie with the tier above: Recording 3");
@@ -216,7 +207,7 @@ describe("ranking by buttons", () => {
   });
 
   it("keeps the focus on the button that was pressed", async () => {
-    await open({ tiers: [[1], [2], [3]], unranked: [4] });
+    await open({ tiers: [[1], [2], [3]] });
     await press("Tie with the tier above: Recording 3");
     expect(
       screen.getByRole("button", { name: "Tie with the tier above: Recording 3" }),
@@ -224,7 +215,7 @@ describe("ranking by buttons", () => {
   });
 
   it("does nothing where there is nothing to do", async () => {
-    const server = await open({ tiers: [[1], [2]], unranked: [3, 4] });
+    const server = await open({ tiers: [[1], [2]] });
     const up = screen.getByRole("button", { name: "Up: Recording 1" });
     expect(up).toHaveAttribute("aria-disabled", "true");
     await userEvent.click(up);
@@ -236,7 +227,7 @@ describe("an order that could not be saved", () => {
   const refusal = () => new Response('{"detail": "Busy."}', { status: 503 });
 
   async function openRefused() {
-    const server = await open({ tiers: [[1], [2], [3]], unranked: [4] });
+    const server = await open({ tiers: [[1], [2], [3]] });
     const answering = globalThis.fetch;
     vi.stubGlobal("fetch", (input: Request) =>
       input.method === "PUT" ? Promise.resolve(refusal()) : answering(input),
@@ -265,16 +256,16 @@ describe("an order that could not be saved", () => {
 
   it("is there after a reload, and saved unless another was saved meanwhile", async () => {
     writeDraft("ranking 1", { base: 1, tiers: [[2], [1]] });
-    const server = await open({ tiers: [[1], [2], [3]], unranked: [4] });
+    const server = await open({ tiers: [[1], [2], [3]] });
     await waitFor(() => expect(server.now().tiers).toEqual([[2], [1]]));
     cleanup();
     writeDraft("ranking 1", { base: 1, tiers: [[4], [1]] });
-    await open({ revision: 7, tiers: [[1], [2], [3]], unranked: [4] });
+    await open({ revision: 7, tiers: [[1], [2], [3]] });
     await screen.findByRole("dialog", { name: /changed elsewhere/ });
   });
 
   it("can be given up where it is refused for good", async () => {
-    await open({ tiers: [[1], [2], [3]], unranked: [4] });
+    await open({ tiers: [[1], [2], [3]] });
     const answering = globalThis.fetch;
     vi.stubGlobal("fetch", (input: Request) =>
       input.method === "PUT"
@@ -290,7 +281,7 @@ describe("an order that could not be saved", () => {
 
 describe("ranking by keyboard", () => {
   it("picks up, announces and drops at the place that the arrows lead to", async () => {
-    const server = await open({ tiers: [[1], [2], [3]], unranked: [4] });
+    const server = await open({ tiers: [[1], [2], [3]] });
     screen.getByRole("button", { name: "Move Recording 3" }).focus();
     await userEvent.keyboard(" ");
     await screen.findByText("Picked up Recording 3.");
@@ -301,7 +292,7 @@ describe("ranking by keyboard", () => {
   });
 
   it("keeps the order of when it began, says that another arrived, and asks which to keep", async () => {
-    const server = await open({ tiers: [[1], [2], [3]], unranked: [4] });
+    const server = await open({ tiers: [[1], [2], [3]] });
     screen.getByRole("button", { name: "Move Recording 4" }).focus();
     await userEvent.keyboard(" ");
     await screen.findByText("Picked up Recording 4.");
@@ -321,7 +312,7 @@ describe("ranking by keyboard", () => {
   });
 
   it("shows what arrived during a drag that was given up", async () => {
-    const server = await open({ tiers: [[1], [2], [3]], unranked: [4] });
+    const server = await open({ tiers: [[1], [2], [3]] });
     screen.getByRole("button", { name: "Move Recording 4" }).focus();
     await userEvent.keyboard(" ");
     await screen.findByText("Picked up Recording 4.");
@@ -334,7 +325,7 @@ describe("ranking by keyboard", () => {
   });
 
   it("leaves it where it was on Escape", async () => {
-    const server = await open({ tiers: [[1], [2]], unranked: [3, 4] });
+    const server = await open({ tiers: [[1], [2]] });
     screen.getByRole("button", { name: "Move Recording 2" }).focus();
     await userEvent.keyboard(" ");
     await screen.findByText("Picked up Recording 2.");
@@ -344,7 +335,7 @@ describe("ranking by keyboard", () => {
   });
 
   it("undoes and redoes", async () => {
-    const server = await open({ tiers: [[1], [2]], unranked: [3, 4], can_undo: true });
+    const server = await open({ tiers: [[1], [2]], can_undo: true });
     await press("Up: Recording 2");
     await waitFor(() => expect(server.now().tiers).toEqual([[2], [1]]));
     await userEvent.keyboard("{Control>}z{/Control}");
@@ -356,34 +347,34 @@ describe("ranking by keyboard", () => {
 
 describe("varied games", () => {
   it("are added and marked, and those without a target put below the worst in one revision", async () => {
-    const server = await open({ tiers: [[1], [2]], unranked: [3] });
+    const server = await open({ tiers: [[1], [2]] });
     await press("Add varied games");
     const done = "3 varied games added, 2 of them selected: those that hit no target.";
     expect((await screen.findAllByText(done))[0]).toBeInTheDocument();
-    const borrowed = within(screen.getByRole("article", { name: "Recording 11" }));
+    const borrowed = within(await screen.findByRole("article", { name: "Recording 11" }));
     expect(borrowed.getByText("from Column 2")).toBeVisible();
     expect(borrowed.queryByRole("button", { name: /perfect/ })).toBeNull();
-    const varied = within(screen.getByRole("article", { name: "Recording 12" }));
+    const varied = within(await screen.findByRole("article", { name: "Recording 12" }));
     expect(varied.getByText("varied play")).toBeVisible();
     await press("Put below the worst");
-    expect(board()).toEqual([["1"], ["2"], ["11", "12"]]);
+    expect(board()).toEqual([["1"], ["2"], ["12", "11"]]);
     expect(screen.getByText("Dropped 2 recordings: new tier, worst of all.")).toBeInTheDocument();
     expect(screen.queryByRole("group", { name: "Selected recordings" })).toBeNull();
-    expect(screen.getByRole("button", { name: "Move Recording 11" })).toHaveFocus();
+    expect(screen.getByRole("button", { name: "Move Recording 12" })).toHaveFocus();
     await waitFor(() =>
-      expect(server.now()).toMatchObject({ revision: 2, tiers: [[1], [2], [11, 12]] }),
+      expect(server.now()).toMatchObject({ revision: 2, tiers: [[1], [2], [12, 11]] }),
     );
     expect(server.asked.find(({ method }) => method === "POST")?.body).toEqual({ count: 24 });
   });
 
   it("can be selected again, and given back", async () => {
-    await open({ tiers: [[1], [2]], unranked: [3, 4] });
+    await open({ tiers: [[1], [2]] });
     await press("Add varied games");
     await screen.findByText("2 recordings selected");
     await press("Select none");
     expect(screen.queryByText(/recordings selected/)).toBeNull();
     await press("Select all varied (3)");
-    expect(screen.getByRole("checkbox", { name: "Select Recording 11" })).toBeChecked();
+    expect(await screen.findByRole("checkbox", { name: "Select Recording 11" })).toBeChecked();
     expect(screen.getByRole("checkbox", { name: "Select Recording 3" })).not.toBeChecked();
     await press("Give back: Recording 11");
     await waitFor(() => expect(screen.queryByRole("article", { name: "Recording 11" })).toBeNull());
@@ -393,7 +384,7 @@ describe("varied games", () => {
   it("are not those of a run's policy, which name the run", async () => {
     const runId = "3f2a9c00-0000-4000-8000-000000000000";
     const played = recording({ id: 14, source: "policy", run_id: runId, borrowed: true });
-    await open({ tiers: [[1], [2]], unranked: [3, 14] }, undefined, [played]);
+    await open({ tiers: [[1], [2]] }, undefined, [played]);
     const card = within(screen.getByRole("article", { name: "Recording 14" }));
     expect(card.getByText("from Run 3f2a9c")).toBeVisible();
     expect(card.queryByRole("button", { name: /perfect/ })).toBeNull();
@@ -402,7 +393,7 @@ describe("varied games", () => {
   });
 
   it("say why they could not be added", async () => {
-    const server = await open({ tiers: [[1], [2]], unranked: [3, 4] });
+    const server = await open({ tiers: [[1], [2]] });
     serve({
       "POST /api/behaviours/1/borrowed": () => new Refusal(503, { detail: "Too much to do." }),
     });
@@ -418,7 +409,7 @@ describe("several selected recordings", () => {
     userEvent.click(screen.getByRole("checkbox", { name: `Select Recording ${id}` }));
 
   it("go into a tier that is chosen, and an undo brings all of them back", async () => {
-    const server = await open({ tiers: [[1], [2]], unranked: [3, 4] });
+    const server = await open({ tiers: [[1], [2]] });
     await select(3);
     await select(4);
     await userEvent.selectOptions(
@@ -436,7 +427,7 @@ describe("several selected recordings", () => {
   });
 
   it("are taken off the board by keyboard alone", async () => {
-    const server = await open({ tiers: [[1], [2], [3]], unranked: [4] });
+    const server = await open({ tiers: [[1], [2], [3]] });
     screen.getByRole("checkbox", { name: "Select Recording 4" }).focus();
     await userEvent.keyboard(" ");
     expect(screen.queryByRole("button", { name: "Take off the board" })).toBeNull();
@@ -467,7 +458,7 @@ describe("what the other games suggest", () => {
   const contradiction = { recording_id: 3, tier: 1, worst_tier: 1, contradicted_by: [1, 2] };
 
   it("is shown beside ranked and unranked games", async () => {
-    await open({ tiers: [[1], [2], [3]], unranked: [4] }, () => ({
+    await open({ tiers: [[1], [2], [3]] }, () => ({
       games: [game({}), game({ recording_id: 4, tier: 2, best_tier: 2 })],
     }));
     expect(await screen.findByText("The others suggest tier 1 (1 to 2)")).toBeVisible();
@@ -479,7 +470,7 @@ describe("what the other games suggest", () => {
 
   it("names a contradiction and moves the game where they suggest", async () => {
     let games = [game(contradiction)];
-    const server = await open({ tiers: [[1], [2], [3]], unranked: [4] }, () => ({ games }));
+    const server = await open({ tiers: [[1], [2], [3]] }, () => ({ games }));
     expect(
       await screen.findByText(
         "The other games suggest that it is better: about tier 1. Judging by what it hits, it is " +
@@ -496,7 +487,7 @@ describe("what the other games suggest", () => {
   });
 
   it("moves nothing by tiers of another order", async () => {
-    const server = await open({ tiers: [[1], [2], [3]], unranked: [4] }, () => ({
+    const server = await open({ tiers: [[1], [2], [3]] }, () => ({
       revision: 7,
       games: [game(contradiction)],
     }));
@@ -507,7 +498,7 @@ describe("what the other games suggest", () => {
   });
 
   it("can be declined for a game, and hidden for all", async () => {
-    const server = await open({ tiers: [[1], [2], [3]], unranked: [4] }, () => ({
+    const server = await open({ tiers: [[1], [2], [3]] }, () => ({
       games: [game(contradiction)],
     }));
     await userEvent.click(await screen.findByRole("button", { name: "Keep it here: Recording 3" }));
@@ -522,7 +513,7 @@ describe("what the other games suggest", () => {
   });
 
   it("says which aliens the order asks for, until it is hidden", async () => {
-    await open({ tiers: [[1], [2], [3]], unranked: [4] });
+    await open({ tiers: [[1], [2], [3]] });
     const wanted = within(await screen.findByRole("region", { name: "What this order asks for" }));
     expect(wanted.getByRole("img")).toHaveAccessibleName(/^To be hit: row 1, column 2/);
     expect(wanted.getByText(/Not sure about 1 alien/)).toBeVisible();
@@ -533,7 +524,7 @@ describe("what the other games suggest", () => {
   });
 
   it("is asked again after each saved change", async () => {
-    const server = await open({ tiers: [[1], [2], [3]], unranked: [4] });
+    const server = await open({ tiers: [[1], [2], [3]] });
     await screen.findByRole("region", { name: "What this order asks for" });
     const times = () => server.asked.filter(({ path }) => path.endsWith("/opinion")).length;
     const before = times();
@@ -543,7 +534,7 @@ describe("what the other games suggest", () => {
 
   it("says what it needs, and what went wrong", async () => {
     let more: Partial<RankingOpinion> = { wanted: null };
-    await open({ tiers: [[1], [2]], unranked: [3, 4] }, () => more);
+    await open({ tiers: [[1], [2]] }, () => more);
     expect(await screen.findByText(/Rank four games in at least two tiers/)).toBeVisible();
     more = {};
     serve({
@@ -558,7 +549,7 @@ describe("what the other games suggest", () => {
 
 describe("two tabs", () => {
   it("see both orders and choose one", async () => {
-    const server = await open({ tiers: [[1], [2]], unranked: [3, 4] });
+    const server = await open({ tiers: [[1], [2]] });
     server.elsewhere([[1], [2], [3]]);
     await press("Up: Recording 2");
     const dialog = within(await screen.findByRole("dialog", { name: /changed elsewhere/ }));
@@ -570,7 +561,7 @@ describe("two tabs", () => {
   });
 
   it("can take the other one", async () => {
-    const server = await open({ tiers: [[1], [2]], unranked: [3, 4] });
+    const server = await open({ tiers: [[1], [2]] });
     server.elsewhere([[1, 2, 3]]);
     await press("Up: Recording 2");
     await userEvent.click(await screen.findByRole("button", { name: "Keep theirs" }));
@@ -581,7 +572,7 @@ describe("two tabs", () => {
 
 describe("what training needs", () => {
   it("is listed while it is missing", async () => {
-    await open({ tiers: [[1, 2]], unranked: [3, 4] });
+    await open({ tiers: [[1, 2]] });
     const hints = within(screen.getByRole("region", { name: "What training needs" }));
     expect(hints.getByText(/At least two tiers are needed/)).toBeVisible();
     expect(hints.queryByRole("link", { name: "Continue to Train" })).toBeNull();
@@ -593,7 +584,7 @@ describe("what training needs", () => {
   it("is enough with four ranked games and three that are marked as perfect", async () => {
     const games = Array.from({ length: 7 }, (_, at) => recording({ id: 10 + at, perfect: at > 4 }));
     const tiers = [[10], [11], [12]];
-    await open({ tiers, unranked: [13, 14, 15, 16] }, undefined, games);
+    await open({ tiers }, undefined, games);
     const hints = within(screen.getByRole("region", { name: "What training needs" }));
     expect(hints.getByText("3 marked as perfect")).toBeVisible();
     expect(hints.getByText(/^3 games ranked\. Four/)).toBeVisible();
@@ -608,7 +599,7 @@ describe("what training needs", () => {
     const games = Array.from({ length: 4 }, (_, at) =>
       recording({ id: 10 + at, perfect: at < nMore }),
     );
-    await open({ tiers: [[10], [11]], unranked: [12, 13] }, undefined, games);
+    await open({ tiers: [[10], [11]] }, undefined, games);
     const hints = within(screen.getByRole("region", { name: "What training needs" }));
     expect(hints.getByText(text)).toBeVisible();
     expect(hints.getByRole("link", { name: "Continue to Train" })).toBeVisible();
@@ -617,8 +608,7 @@ describe("what training needs", () => {
   it("begins with a game", async () => {
     serve({
       "GET /api/behaviours/1/ranking": () => ranking(),
-      "GET /api/behaviours/1/recordings": () => [],
-      "GET /api/behaviours/1/borrowed": () => [],
+      ...libraryRoutes(() => []),
     });
     show(<RankPage behaviour={behaviour()} />);
     expect(await screen.findByRole("link", { name: "Play a game" })).toHaveAttribute(

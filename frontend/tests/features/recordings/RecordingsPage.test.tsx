@@ -1,19 +1,18 @@
-import { fireEvent, screen, waitFor, within } from "@testing-library/react";
+import { screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
-import { describe, expect, it } from "vitest";
+import { describe, expect, it, vi } from "vitest";
 
 import type { Recording } from "@/api/types";
-import { SelectionBar } from "@/features/recordings/library/SelectionBar";
+import { Invalidator } from "@/app/changes/invalidation";
 import { RecordingsPage } from "@/features/recordings/RecordingsPage";
 
 import { behaviour, recording } from "../../support/data";
+import { libraryOf, libraryRoutes } from "../../support/library";
 import { show } from "../../support/page";
 import { Refusal, serve } from "../../support/server";
 
-const LIST = "GET /api/behaviours/1/recordings";
-
 function library(list: Recording[], more: Parameters<typeof serve>[0] = {}, path = "/") {
-  const asked = serve({ [LIST]: () => [...list], ...more });
+  const asked = serve({ ...libraryRoutes(() => list), ...more });
   const page = <RecordingsPage behaviour={behaviour({ n_recordings: list.length })} />;
   return { asked, ...show(page, path) };
 }
@@ -67,6 +66,7 @@ describe("the library", () => {
     expect(
       await screen.findByRole("heading", { name: /^1 recording.*and 3 that can’t be ranked yet$/ }),
     ).toBeVisible();
+    await screen.findByRole("article", { name: "Recording 5" });
     const card = (id: number) => within(screen.getByRole("article", { name: `Recording ${id}` }));
     expect(card(5).getByText("139 steps, 9.3 s, ended early")).toBeVisible();
     expect(card(4).getByText("139 steps, 9.3 s, its page was left")).toBeVisible();
@@ -119,7 +119,7 @@ describe("the library", () => {
   });
 
   it("works without a target", async () => {
-    serve({ [LIST]: () => [recording({ targets: null, strays: null })] });
+    serve(libraryRoutes(() => [recording({ targets: null, strays: null })]));
     show(<RecordingsPage behaviour={behaviour({ target: null })} />);
     expect(await screen.findByText("1 alien hit")).toBeVisible();
   });
@@ -225,7 +225,7 @@ describe("the library", () => {
         } else {
           list.unshift(...gone.splice(0));
         }
-        return list;
+        return undefined;
       },
     });
     await userEvent.click(await screen.findByLabelText("Select Recording 4"));
@@ -272,29 +272,77 @@ describe("the library", () => {
     );
   });
 
-  it("never asks for more at once than the server takes", () => {
+  it("changes and exports as many at once as are selected", async () => {
     const many = Array.from({ length: 501 }, (_, index) => recording({ id: 501 - index }));
-    const some: number[] = [];
-    const bar = (selected: Recording[]) => (
-      <SelectionBar
-        behaviour={behaviour()}
-        shown={many}
-        selected={selected}
-        onSelect={(chosen) => some.push(chosen.length)}
-      />
+    const ids = many.map(({ id }) => id);
+    const { asked } = library(many, {
+      "POST /api/behaviours/1/recordings/change": () => undefined,
+      "POST /api/behaviours/1/recordings/export": () => new Response("{}\n"),
+    });
+    vi.stubGlobal(
+      "URL",
+      Object.assign(URL, { createObjectURL: () => "blob:", revokeObjectURL: vi.fn() }),
     );
-    show(bar([]));
-    fireEvent.click(screen.getByText("Select the first 500"));
-    expect(some).toEqual([500]);
-    show(bar(many));
-    expect(screen.getByText("At most 500 can be changed at once.")).toBeVisible();
-    expect(screen.queryByText("Delete")).toBeNull();
+    await userEvent.click(await screen.findByRole("button", { name: "Select all shown" }));
+    expect(screen.getByText("501 recordings selected")).toBeVisible();
+    await userEvent.click(screen.getByRole("button", { name: "Export selected" }));
+    await userEvent.click(screen.getByRole("button", { name: "Delete" }));
+    await waitFor(() =>
+      expect(asked.filter(({ method }) => method === "POST").map(({ body }) => body)).toEqual([
+        { recording_ids: ids },
+        { recording_ids: ids, change: "delete" },
+      ]),
+    );
+  });
+
+  it("has only what is in sight in the document, however many there are", async () => {
+    const many = Array.from({ length: 20_000 }, (_, index) => recording({ id: 20_000 - index }));
+    const { asked } = library(many);
+    const first = await screen.findByRole("article", { name: "Recording 20000" });
+    expect(first.closest("[role=listitem]")).toHaveAttribute("aria-setsize", "20000");
+    expect(first.closest("[role=listitem]")).toHaveAttribute("aria-posinset", "1");
+    expect(names().length).toBeLessThan(20);
+    expect(document.querySelectorAll("*").length).toBeLessThan(1500);
+    const fetched = asked.flatMap(({ query }) => query.getAll("recording"));
+    expect(fetched).toHaveLength(names().length);
+    await userEvent.type(screen.getByLabelText("Number"), "12345");
+    await waitFor(() => expect(names()).toEqual(["Recording 12345"]));
+  });
+
+  it("fetches only what somebody else changed", async () => {
+    const list = [3, 2, 1].map((id) => recording({ id }));
+    let cursor = 7;
+    const { asked, client } = library(list, {
+      "GET /api/behaviours/1/library": ({ query }) =>
+        query.has("since")
+          ? libraryOf([recording({ id: 2, perfect: true })], { cursor, whole: false, removed: [3] })
+          : libraryOf(list, { cursor }),
+    });
+    await screen.findByLabelText("Select Recording 3");
+    const before = asked.length;
+    cursor = 9;
+    list.splice(0, 2, recording({ id: 2, perfect: true }));
+    const invalidator = new Invalidator(client);
+    invalidator.add({ topic: "recording", key: "2" });
+    expect(await screen.findByRole("button", { name: "Perfect. Remove the mark" })).toHaveAttribute(
+      "aria-pressed",
+      "true",
+    );
+    await waitFor(() => expect(names()).toEqual(["Recording 2", "Recording 1"]));
+    const since = asked.slice(before);
+    expect(since.map(({ path, query }) => `${path}?${query.toString()}`).sort()).toEqual([
+      "/api/behaviours/1/library/recordings?recording=2",
+      "/api/behaviours/1/library?since=7",
+    ]);
   });
 
   it("lists the deleted ones to restore them, also when nothing else is left", async () => {
     const deleted = recording({ id: 4, deleted: true });
     const asked = serve({
-      [LIST]: ({ query }) => (query.get("include") === "deleted" ? [deleted] : []),
+      ...libraryRoutes(
+        () => [],
+        () => [deleted],
+      ),
       "POST /api/recordings/4/restore": () => deleted,
     });
     show(<RecordingsPage behaviour={behaviour()} />);

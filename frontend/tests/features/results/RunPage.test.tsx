@@ -9,6 +9,7 @@ import { RunsPage } from "@/features/results/RunsPage";
 
 import { behaviour, game, recording, results, run, system } from "../../support/data";
 import { framesFile } from "../../support/frames";
+import { libraryOf } from "../../support/library";
 import { show } from "../../support/page";
 import { Refusal, serve } from "../../support/server";
 
@@ -619,7 +620,7 @@ describe("teaching more", () => {
     const asked = serve({
       [`GET /api/runs/${one.id}/results`]: () => results(of, { ...taught, ...change }),
       [`GET /api/runs/${one.id}/metrics`]: () => ({ last: 0, series: {} }),
-      "GET /api/behaviours/1/borrowed": () => held,
+      "GET /api/behaviours/1/borrowed": () => libraryOf(held),
       "POST /api/behaviours/1/ranking/games": ({ body }) => {
         const { recording_ids: ids } = body as { recording_ids: number[] };
         held = [...held, ...[good, bad].filter(({ id }) => ids.includes(id))];

@@ -2,7 +2,7 @@ import { Plural, Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import { Link } from "react-router";
 
-import { recordingsQuery } from "@/api/recordings";
+import { undecidedQuery } from "@/api/recordings";
 import type { Behaviour } from "@/api/types";
 import { Notice } from "@/components/feedback/States";
 import { KeepOrDiscard } from "@/components/recording/KeepOrDiscard";
@@ -20,7 +20,7 @@ export function Undecided({
   behaviour: Behaviour;
   besides: number | undefined;
 }) {
-  const { data = [] } = useQuery(recordingsQuery(behaviour.id));
+  const { data = [] } = useQuery(undecidedQuery(behaviour.id));
   const waiting = data.filter((one) => isUndecided(one) && one.id !== besides);
   if (waiting.length === 0) return null;
   const shown = waiting.slice(0, MOST_SHOWN);

@@ -1,8 +1,9 @@
 import { plural, t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
-import { type ReactNode } from "react";
+import { type ReactNode, useCallback, useMemo, useState } from "react";
 
-import type { Behaviour, Recording } from "@/api/types";
+import type { Behaviour, LibraryEntry, Recording } from "@/api/types";
+import { ScrolledList } from "@/components/list/VirtualList";
 import {
   isTied,
   joinAbove,
@@ -16,15 +17,18 @@ import {
 import { classes } from "@/lib/classes";
 
 import styles from "./Board.module.css";
-import { useDropPlace } from "./DragBoard";
+import { useDragged, useDropPlace } from "./DragBoard";
 import { gapPlace, tierPlace, TRAY } from "./places";
-import { type Move, RankCard } from "./RankCard";
+import type { Move } from "./RankCard";
+import { ShownCard } from "./ShownCard";
 
 interface BoardProps {
   tiers: Tiers;
-  recordings: ReadonlyMap<number, Recording>;
+  recordings: ReadonlyMap<number, LibraryEntry>;
   behaviour: Behaviour;
   previewed: number | null;
+  /** The recording that was moved last. */
+  moved: number | null;
   /** Whether the page is too narrow for a preview beside the board. */
   narrow: boolean;
   onPreview: (id: number) => void;
@@ -145,6 +149,12 @@ function Tier(props: BoardProps & { tier: readonly number[]; index: number }) {
   );
 }
 
+/** Above so many unranked recordings, what stands below them would not be found. */
+const LONG = 24;
+/** About as high as a card is. */
+const CARD_PX = 110;
+const GAP_PX = 8;
+
 /** Leads to the unranked recordings, wherever on the page they are. */
 export function focusTray(): void {
   document.querySelector<HTMLElement>("[data-tray]")?.focus();
@@ -154,39 +164,60 @@ export function focusTray(): void {
 export function Tray(
   props: BoardProps & { unranked: readonly number[]; above: ReactNode; below: ReactNode },
 ) {
-  const { unranked, above, below } = props;
+  const { unranked, above, below, moved } = props;
   const { setPlace, isOver } = useDropPlace(TRAY);
+  const [scroller, setScroller] = useState<HTMLElement | null>(null);
+  const setTray = useCallback(
+    (element: HTMLElement | null) => {
+      setScroller(element);
+      setPlace(element);
+    },
+    [setPlace],
+  );
+  const dragged = useDragged();
+  const pinned = useMemo(() => [moved, dragged].filter((id) => id !== null), [moved, dragged]);
+  const isLong = unranked.length > LONG;
   return (
     <section
-      ref={setPlace}
-      className={classes(styles.tray, isOver && styles.over)}
+      ref={setTray}
+      className={classes(styles.tray, isLong && styles.long, isOver && styles.over)}
       aria-label={t`Unranked, ${plural(unranked.length, { one: "# recording", other: "# recordings" })}`}
     >
       <h3 data-tray tabIndex={-1}>
         <Trans>Unranked ({unranked.length})</Trans>
       </h3>
       {above}
+      {isLong && below}
       {unranked.length === 0 ? (
         <p className={styles.trayEmpty}>
           <Trans>All recordings are ranked.</Trans>
         </p>
       ) : (
-        unranked.map((id) => cardOf(props, id, TRAY))
+        <ScrolledList
+          label={t`Unranked recordings`}
+          ids={unranked}
+          scroller={scroller}
+          rowPx={CARD_PX}
+          gapPx={GAP_PX}
+          className={undefined}
+          pinned={pinned}
+          renderItem={(id) => cardOf(props, id, TRAY)}
+        />
       )}
-      {below}
+      {!isLong && below}
     </section>
   );
 }
 
 function cardOf(props: BoardProps, id: number, placeName: string): ReactNode {
-  const { tiers, recordings, behaviour, previewed, narrow, selected } = props;
+  const { tiers, recordings, behaviour, previewed, narrow, selected, moved } = props;
   const { onPreview, onMove, onSelect, onPerfect, onGiveBack, renderOpinion } = props;
-  const recording = recordings.get(id);
-  if (!recording) return null;
+  if (!recordings.has(id)) return null;
   return (
     <div key={id}>
-      <RankCard
-        recording={recording}
+      <ShownCard
+        recordingId={id}
+        pinned={moved === id || placeName === TRAY}
         behaviour={behaviour}
         place={placeName}
         ranked={placeName !== TRAY}
@@ -196,8 +227,8 @@ function cardOf(props: BoardProps, id: number, placeName: string): ReactNode {
         onMove={(move) => onMove(id, move)}
         selected={selected.has(id)}
         onSelect={(on) => onSelect(id, on)}
-        onPerfect={() => onPerfect(recording)}
-        onGiveBack={() => onGiveBack(recording)}
+        onPerfect={onPerfect}
+        onGiveBack={onGiveBack}
         onPreview={() => onPreview(id)}
         opinion={renderOpinion(id)}
       />

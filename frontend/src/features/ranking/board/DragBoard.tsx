@@ -13,6 +13,7 @@ import {
   MouseSensor,
   pointerWithin,
   TouchSensor,
+  useDndContext,
   useDraggable,
   useDroppable,
   useSensor,
@@ -174,6 +175,12 @@ export function useDragItem(item: string, place: string) {
     descriptionId: attributes["aria-describedby"],
     isDragging,
   };
+}
+
+/** Returns the item that is dragged, by its number; null while none is. */
+export function useDragged(): number | null {
+  const { active } = useDndContext();
+  return active ? Number(active.id) : null;
 }
 
 /** Makes an element a drop place. */

@@ -2,9 +2,11 @@ import { plural, t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 import { useEffect, useRef } from "react";
 
-import type { Behaviour, GameOpinion, Recording } from "@/api/types";
+import { useShown } from "@/api/library";
+import type { Behaviour, GameOpinion, LibraryEntry } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
+import { Loading } from "@/components/feedback/States";
 import { focusTray } from "@/features/ranking/board/Board";
 import type { RankingSaver, SaverState } from "@/features/ranking/order/saver";
 import { SaveError } from "@/features/ranking/SaveBar";
@@ -18,7 +20,7 @@ interface CompareDialogProps {
   /** The unranked recordings to place. */
   ids: readonly number[];
   behaviour: Behaviour;
-  recordings: ReadonlyMap<number, Recording>;
+  recordings: ReadonlyMap<number, LibraryEntry>;
   opinions: ReadonlyMap<number, GameOpinion>;
   state: SaverState;
   saver: RankingSaver;
@@ -36,9 +38,13 @@ export function CompareDialog(props: CompareDialogProps) {
     `comparing ${behaviour.id}`,
   );
   const { question } = comparing;
-  const game = question && recordings.get(question.id);
-  const opponent = question && recordings.get(question.opponent);
-  const isAsking = Boolean(game && opponent);
+  const upcoming = question ? upcomingOf(comparing, question) : [];
+  const shown = useShown(
+    behaviour.id,
+    question ? [question.id, question.opponent, ...upcoming] : [],
+  );
+  const game = question && shown.get(question.id);
+  const opponent = question && shown.get(question.opponent);
   // The button that opened it goes with the last unranked recording.
   useEffect(
     () => () => {
@@ -48,8 +54,8 @@ export function CompareDialog(props: CompareDialogProps) {
   );
   return (
     <Dialog
-      title={isAsking ? t`Which is better?` : t`Place by comparing`}
-      width={isAsking ? "160rem" : undefined}
+      title={question ? t`Which is better?` : t`Place by comparing`}
+      width={question ? "160rem" : undefined}
       onClose={onClose}
     >
       <div className={styles.body}>
@@ -60,11 +66,13 @@ export function CompareDialog(props: CompareDialogProps) {
             question={question}
             game={game}
             opponent={opponent}
-            upcoming={upcomingOf(comparing, question).flatMap((id) => recordings.get(id) ?? [])}
+            upcoming={upcoming.flatMap((id) => shown.get(id) ?? [])}
             behaviour={behaviour}
             nTiers={tiers.length}
             nGames={ids.length}
           />
+        ) : question ? (
+          <Loading what={t`the recordings`} rows={1} height="20rem" />
         ) : (
           <Ended comparing={comparing} onClose={onClose} />
         )}

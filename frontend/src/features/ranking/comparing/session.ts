@@ -3,7 +3,7 @@
  * chosen and done so far, and what to ask follows from it and from the order as it stands, which may
  * change elsewhere.
  */
-import type { GameOpinion, Recording } from "@/api/types";
+import type { GameOpinion, LibraryEntry } from "@/api/types";
 import { place, placeAll, tierOf, type Tiers } from "@/features/ranking/order/order";
 
 import {
@@ -49,7 +49,7 @@ export interface Question {
 /** What the page shows at the moment. */
 export interface Situation {
   readonly tiers: Tiers;
-  readonly recordings: ReadonlyMap<number, Recording>;
+  readonly recordings: ReadonlyMap<number, LibraryEntry>;
   readonly opinions: ReadonlyMap<number, GameOpinion>;
 }
 
@@ -198,7 +198,7 @@ function answersOn({ steps }: Session, id: number): readonly Answer[] {
 /** Returns the recording that stands for a tier: a person's own if there is one. */
 function opponentIn(
   tier: readonly number[],
-  recordings: ReadonlyMap<number, Recording>,
+  recordings: ReadonlyMap<number, LibraryEntry>,
 ): number | undefined {
   const known = tier.flatMap((id) => recordings.get(id) ?? []);
   const own = known.filter(({ borrowed }) => !borrowed);

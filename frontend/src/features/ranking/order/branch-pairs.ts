@@ -1,12 +1,12 @@
 /** Pairs of recordings of which one branches off the other. */
-import type { Recording } from "@/api/types";
+import type { LibraryEntry } from "@/api/types";
 
 import { place, tierOf, type Tiers } from "./order";
 
 /** Two continuations of a game from the same frame. */
 export interface BranchPair {
-  readonly before: Recording;
-  readonly after: Recording;
+  readonly before: LibraryEntry;
+  readonly after: LibraryEntry;
   /** The frame up to which they are identical. */
   readonly frame: number;
 }
@@ -17,10 +17,11 @@ export type Verdict = "after" | "before" | "equal";
 export function openPairs(
   tiers: Tiers,
   unranked: readonly number[],
-  recordings: ReadonlyMap<number, Recording>,
+  recordings: ReadonlyMap<number, LibraryEntry>,
 ): readonly BranchPair[] {
   const pairs: BranchPair[] = [];
-  const rankable = (id: number) => tierOf(tiers, id) >= 0 || unranked.includes(id);
+  const isUnranked = new Set(unranked);
+  const rankable = (id: number) => tierOf(tiers, id) >= 0 || isUnranked.has(id);
   for (const after of recordings.values()) {
     const before = after.parent && recordings.get(after.parent.recording_id);
     if (!before || !after.parent || !rankable(before.id) || !rankable(after.id)) continue;

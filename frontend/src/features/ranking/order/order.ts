@@ -106,23 +106,34 @@ export function sameOrder(a: Tiers, b: Tiers): boolean {
  * greedily, the few without which the orders agree on all others.
  */
 export function movedBetween(a: Tiers, b: Tiers): ReadonlySet<number> {
-  const all = new Set([...a.flat(), ...b.flat()]);
-  const inBoth = [...all].filter((id) => tierOf(a, id) >= 0 && tierOf(b, id) >= 0);
-  const moved = new Set([...all].filter((id) => !inBoth.includes(id)));
-  let rest = inBoth;
+  const [inA, inB] = [tierNumbers(a), tierNumbers(b)];
+  const all = new Set([...inA.keys(), ...inB.keys()]);
+  const moved = new Set([...all].filter((id) => !inA.has(id) || !inB.has(id)));
+  const rest = new Set([...all].filter((id) => !moved.has(id)));
+  const isDisputed = (id: number, other: number) =>
+    relation(inA, id, other) !== relation(inB, id, other);
+  const disputes = new Map(
+    [...rest].map((id) => [id, [...rest].filter((other) => isDisputed(id, other)).length]),
+  );
   for (;;) {
-    const disputes = rest.map(
-      (id) => rest.filter((other) => relation(a, id, other) !== relation(b, id, other)).length,
-    );
-    const most = Math.max(0, ...disputes);
+    let [culprit, most] = [0, 0];
+    for (const id of rest) {
+      const n = disputes.get(id) ?? 0;
+      if (n > most) [culprit, most] = [id, n];
+    }
     if (most === 0) return moved;
-    const culprit = rest[disputes.indexOf(most)];
-    rest = rest.filter((id) => id !== culprit);
-    if (culprit !== undefined) moved.add(culprit);
+    moved.add(culprit);
+    rest.delete(culprit);
+    for (const id of rest)
+      if (isDisputed(id, culprit)) disputes.set(id, (disputes.get(id) ?? 0) - 1);
   }
 }
 
+function tierNumbers(tiers: Tiers): ReadonlyMap<number, number> {
+  return new Map(tiers.flatMap((tier, index) => tier.map((id) => [id, index] as const)));
+}
+
 /** -1: above, 0: tied, 1: below. */
-function relation(tiers: Tiers, id: number, other: number): number {
-  return Math.sign(tierOf(tiers, id) - tierOf(tiers, other));
+function relation(tierOf: ReadonlyMap<number, number>, id: number, other: number): number {
+  return Math.sign((tierOf.get(id) ?? -1) - (tierOf.get(other) ?? -1));
 }

@@ -8,7 +8,6 @@ import { sameOrder, type Tiers } from "./order";
 export interface Revision {
   readonly revision: number;
   readonly tiers: Tiers;
-  readonly unranked: readonly number[];
   readonly can_undo: boolean;
   readonly can_redo: boolean;
 }

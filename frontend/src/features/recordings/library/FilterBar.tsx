@@ -1,7 +1,8 @@
 import { t } from "@lingui/core/macro";
+import { useMemo } from "react";
 
-import type { Behaviour, Recording } from "@/api/types";
-import { Filters, Select } from "@/components/controls/Filters";
+import type { Behaviour, LibraryEntry } from "@/api/types";
+import { Filters, Search, Select } from "@/components/controls/Filters";
 
 import { EVERYTHING, type Filter, isNarrow, ORDERS, SHOWN, SOURCES, VERIFIED } from "./filter";
 
@@ -40,13 +41,14 @@ export function FilterBar({
   onChange,
 }: {
   filter: Filter;
-  recordings: readonly Recording[];
+  recordings: readonly LibraryEntry[];
   behaviour: Behaviour;
   onChange: (filter: Filter) => void;
 }) {
-  const players = [
-    ...new Set(recordings.flatMap(({ player }) => (player === null ? [] : [player]))),
-  ].sort();
+  const players = useMemo(
+    () => [...new Set(recordings.map(({ player }) => player))].filter((one) => one !== null).sort(),
+    [recordings],
+  );
   const nHits = behaviour.target?.length ?? MOST_HITS;
   const set = (change: Partial<Filter>) => onChange({ ...filter, ...change });
   return (
@@ -111,6 +113,11 @@ export function FilterBar({
           ...VERIFIED.map((one) => [one, verifiedNames()[one]] as const),
         ]}
         onChange={(verified) => set({ verified: verified === ANY ? null : verified })}
+      />
+      <Search
+        label={t`Number`}
+        value={filter.number ?? ANY}
+        onChange={(text) => set({ number: text.replaceAll(/\D/g, "").slice(0, 10) || null })}
       />
       <Select
         label={t`Order`}

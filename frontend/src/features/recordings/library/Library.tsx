@@ -4,22 +4,28 @@ import { useQuery } from "@tanstack/react-query";
 import { useCallback, useMemo, useState } from "react";
 import { useSearchParams } from "react-router";
 
-import { exportUrl, withDeletedQuery } from "@/api/recordings";
-import type { Behaviour, Recording } from "@/api/types";
+import { libraryQuery } from "@/api/library";
+import { exportUrl } from "@/api/recordings";
+import type { Behaviour, LibraryEntry, Recording } from "@/api/types";
 import { Button, DownloadLink } from "@/components/controls/Button";
 import { Failed, Loading } from "@/components/feedback/States";
+import { WindowList } from "@/components/list/VirtualList";
 import { whyUnrankable } from "@/lib/recordings";
 
 import { filtered, EVERYTHING, type Filter, isNarrow, readFilter, writeFilter } from "./filter";
 import { FilterBar } from "./FilterBar";
 import styles from "./Library.module.css";
-import { RecordingCard } from "./RecordingCard";
+import { ShownRecording } from "./RecordingCard";
 import { NOTHING, selectedOf, toggled } from "./selection";
 import { SelectionBar } from "./SelectionBar";
 
+/** About as high as a card is. */
+const CARD_PX = 368;
+const GAP_PX = 16;
+
 interface LibraryProps {
   /** Without deleted ones. */
-  recordings: readonly Recording[];
+  recordings: readonly LibraryEntry[];
   behaviour: Behaviour;
   onWatch: (recording: Recording) => void;
   /** Without it there is no import, and no export of all. */
@@ -31,17 +37,20 @@ export function Library({ recordings, behaviour, onWatch, onImport }: LibraryPro
   const [search, setSearch] = useSearchParams();
   const filter = useMemo(() => readFilter(search), [search]);
   const setFilter = (next: Filter) => setSearch(writeFilter(next), { replace: true });
-  const others = recordings.filter((one) => whyUnrankable(one) !== null);
+  const nOthers = useMemo(
+    () => recordings.filter((one) => whyUnrankable(one) !== null).length,
+    [recordings],
+  );
   return (
     <>
       <div className={styles.bar}>
         <h2>
-          {plural(recordings.length - others.length, { one: "# recording", other: "# recordings" })}
-          {others.length > 0 && (
+          {plural(recordings.length - nOthers, { one: "# recording", other: "# recordings" })}
+          {nOthers > 0 && (
             <>
               {" "}
               <small>
-                <Trans>and {others.length} that can&rsquo;t be ranked yet</Trans>
+                <Trans>and {nOthers} that can&rsquo;t be ranked yet</Trans>
               </small>
             </>
           )}
@@ -79,7 +88,7 @@ export function Library({ recordings, behaviour, onWatch, onImport }: LibraryPro
 }
 
 interface GridProps {
-  recordings: readonly Recording[];
+  recordings: readonly LibraryEntry[];
   behaviour: Behaviour;
   filter: Filter;
   onWatch: (recording: Recording) => void;
@@ -87,12 +96,12 @@ interface GridProps {
 }
 
 function Deleted(props: Omit<GridProps, "recordings">) {
-  const { data, error, refetch } = useQuery(withDeletedQuery(props.behaviour.id));
+  const { data, error, refetch } = useQuery(libraryQuery(props.behaviour.id, { deleted: true }));
   if (error && !data) {
     return <Failed what={t`The recordings`} error={error} onRetry={() => void refetch()} />;
   }
   if (!data) return <Loading what={t`the deleted recordings`} rows={2} height="18rem" />;
-  return <Grid recordings={data} {...props} />;
+  return <Grid recordings={data.entries} {...props} />;
 }
 
 function Grid({ recordings, behaviour, filter, onWatch, onClear }: GridProps) {
@@ -100,11 +109,10 @@ function Grid({ recordings, behaviour, filter, onWatch, onClear }: GridProps) {
   const shown = useMemo(() => filtered(recordings, filter), [recordings, filter]);
   const ids = useMemo(() => shown.map(({ id }) => id), [shown]);
   const select = useCallback(
-    ({ id }: Recording, range: boolean) =>
-      setSelection((before) => toggled(before, ids, id, range)),
+    (id: number, range: boolean) => setSelection((before) => toggled(before, ids, id, range)),
     [ids],
   );
-  const selected = new Set(selectedOf(selection, ids));
+  const selected = useMemo(() => new Set(selectedOf(selection, ids)), [selection, ids]);
   if (shown.length === 0) {
     return (
       <p className={styles.none}>
@@ -123,21 +131,24 @@ function Grid({ recordings, behaviour, filter, onWatch, onClear }: GridProps) {
         behaviour={behaviour}
         shown={shown}
         selected={shown.filter(({ id }) => selected.has(id))}
-        onSelect={(some) => setSelection({ ids: new Set(some.map(({ id }) => id)), anchor: null })}
+        onSelect={(some) => setSelection({ ids: new Set(some), anchor: null })}
       />
-      <ul className={styles.cards}>
-        {shown.map((recording) => (
-          <li key={recording.id}>
-            <RecordingCard
-              recording={recording}
-              behaviour={behaviour}
-              onWatch={onWatch}
-              selected={selected.has(recording.id)}
-              onSelect={select}
-            />
-          </li>
-        ))}
-      </ul>
+      <WindowList
+        label={t`Recordings`}
+        ids={ids}
+        rowPx={CARD_PX}
+        gapPx={GAP_PX}
+        className={styles.cards}
+        renderItem={(id) => (
+          <ShownRecording
+            recordingId={id}
+            behaviour={behaviour}
+            onWatch={onWatch}
+            selected={selected.has(id)}
+            onSelect={select}
+          />
+        )}
+      />
     </>
   );
 }

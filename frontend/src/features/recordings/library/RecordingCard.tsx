@@ -1,9 +1,12 @@
 import { t } from "@lingui/core/macro";
+import { useQuery } from "@tanstack/react-query";
 import { memo, useState } from "react";
 import { Link } from "react-router";
 
+import { shownQuery } from "@/api/library";
 import type { Behaviour, Recording } from "@/api/types";
 import { IconButton } from "@/components/controls/Button";
+import { Failed } from "@/components/feedback/States";
 import { KeepOrDiscard } from "@/components/recording/KeepOrDiscard";
 import { RecordingScreen, useHover } from "@/components/recording/RecordingScreen";
 import { SourceBadge } from "@/components/recording/SourceBadge";
@@ -20,19 +23,35 @@ import styles from "./RecordingCard.module.css";
 const SCREEN_WIDTH_PX = 320;
 const SCREEN_HEIGHT_PX = 210;
 
-interface RecordingCardProps {
-  recording: Recording;
+interface ShownRecordingProps {
+  recordingId: number;
   behaviour: Behaviour;
   onWatch: (recording: Recording) => void;
   selected: boolean;
   /** With `range`, the selection extends from the last card selected. */
-  onSelect: (recording: Recording, range: boolean) => void;
+  onSelect: (recordingId: number, range: boolean) => void;
 }
 
-/**
- * A recording with its thumbnail, result and actions. Memoized: a library may hold a thousand.
- */
-export const RecordingCard = memo(function RecordingCard(props: RecordingCardProps) {
+/** A recording's card, once the recording is there. Memoized: others are selected beside it. */
+export const ShownRecording = memo(function ShownRecording(props: ShownRecordingProps) {
+  const { recordingId, behaviour } = props;
+  const { data, error, refetch } = useQuery(shownQuery(behaviour.id, recordingId));
+  if (data) return <RecordingCard {...props} recording={data} />;
+  const name = recordingName({ id: recordingId });
+  return (
+    <div
+      role="group"
+      className={classes(styles.card, styles.missing)}
+      aria-label={name}
+      aria-busy={!error}
+    >
+      {error && <Failed what={name} error={error} onRetry={() => void refetch()} />}
+    </div>
+  );
+});
+
+/** A recording with its thumbnail, result and actions. */
+function RecordingCard(props: ShownRecordingProps & { recording: Recording }) {
   const { recording, behaviour, onWatch, selected, onSelect } = props;
   const [hovered, hover] = useHover();
   const name = recordingName(recording);
@@ -61,7 +80,7 @@ export const RecordingCard = memo(function RecordingCard(props: RecordingCardPro
             checked={selected}
             onChange={(event) =>
               onSelect(
-                recording,
+                recording.id,
                 event.nativeEvent instanceof MouseEvent && event.nativeEvent.shiftKey,
               )
             }
@@ -89,7 +108,7 @@ export const RecordingCard = memo(function RecordingCard(props: RecordingCardPro
       </div>
     </article>
   );
-});
+}
 
 /** The actions on a recording; a deleted one can only be restored. */
 function Actions({

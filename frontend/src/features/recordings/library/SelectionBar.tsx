@@ -1,17 +1,19 @@
 import { plural, t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 
-import { exportUrl } from "@/api/recordings";
-import type { Behaviour, Recording } from "@/api/types";
+import { useMutation } from "@tanstack/react-query";
+
+import { messageOf } from "@/api/client";
+import { exportUrl, fetchExport, MOST_IN_URL } from "@/api/recordings";
+import type { Behaviour, LibraryEntry } from "@/api/types";
 import { Button, DownloadLink } from "@/components/controls/Button";
+import { useToast } from "@/components/feedback/Toasts";
 import { usePerfectMark } from "@/components/recording/use-perfect-mark";
 import { useRecordingActions } from "@/components/recording/use-recording-actions";
 import { classes } from "@/lib/classes";
+import { saveFile } from "@/lib/browser/save-file";
 
 import styles from "./SelectionBar.module.css";
-
-/** The server's limit on recordings changed or exported at once. */
-const MOST = 500;
 
 /** Actions on the selected recordings. */
 export function SelectionBar({
@@ -21,17 +23,18 @@ export function SelectionBar({
   onSelect,
 }: {
   behaviour: Behaviour;
-  shown: readonly Recording[];
-  selected: readonly Recording[];
-  onSelect: (recordings: readonly Recording[]) => void;
+  shown: readonly LibraryEntry[];
+  selected: readonly LibraryEntry[];
+  onSelect: (ids: readonly number[]) => void;
 }) {
   const actions = useRecordingActions(behaviour.id);
-  const any = selected.length > 0;
+  const ids = selected.map(({ id }) => id);
+  const any = ids.length > 0;
   const deleted = selected.some((one) => one.deleted);
   const allPerfect = any && selected.every((one) => one.perfect);
   const { mark, question } = usePerfectMark(behaviour);
   function change(what: Parameters<typeof actions.changeAll>[1]) {
-    actions.changeAll(selected, what);
+    actions.changeAll(ids, what);
     if (what === "delete" || what === "restore") onSelect([]);
   }
   return (
@@ -45,9 +48,9 @@ export function SelectionBar({
           ? plural(selected.length, { one: "# recording selected", other: "# recordings selected" })
           : t`${shown.length} shown`}
       </span>
-      {selected.length < Math.min(shown.length, MOST) && (
-        <Button kind="quiet" onClick={() => onSelect(shown.slice(0, MOST))}>
-          {shown.length > MOST ? t`Select the first ${MOST}` : t`Select all shown`}
+      {selected.length < shown.length && (
+        <Button kind="quiet" onClick={() => onSelect(shown.map(({ id }) => id))}>
+          <Trans>Select all shown</Trans>
         </Button>
       )}
       {any && (
@@ -55,11 +58,7 @@ export function SelectionBar({
           <Button kind="quiet" onClick={() => onSelect([])}>
             <Trans>Select none</Trans>
           </Button>
-          {selected.length > MOST ? (
-            <span className={styles.count}>
-              <Trans>At most {MOST} can be changed at once.</Trans>
-            </span>
-          ) : deleted ? (
+          {deleted ? (
             <Button icon="undo" onClick={() => change("restore")}>
               <Trans>Restore</Trans>
             </Button>
@@ -77,14 +76,7 @@ export function SelectionBar({
               >
                 {allPerfect ? t`Remove the perfect marks` : t`Mark as perfect`}
               </Button>
-              <DownloadLink
-                href={exportUrl(
-                  behaviour.id,
-                  selected.map(({ id }) => id),
-                )}
-              >
-                <Trans>Export selected</Trans>
-              </DownloadLink>
+              <ExportSelected behaviour={behaviour} ids={ids} />
               {question}
               <Button icon="trash" onClick={() => change("delete")}>
                 <Trans>Delete</Trans>
@@ -94,5 +86,34 @@ export function SelectionBar({
         </>
       )}
     </div>
+  );
+}
+
+/** Exports the selected recordings: by an address, or, if they are too many for it, by a request. */
+function ExportSelected({ behaviour, ids }: { behaviour: Behaviour; ids: readonly number[] }) {
+  const toast = useToast();
+  const load = useMutation({
+    mutationFn: () => fetchExport(behaviour.id, ids),
+    onSuccess: (file) => saveFile(file, `${behaviour.slug}.jsonl`),
+    onError: (error) => toast(messageOf(error)),
+  });
+  if (ids.length <= MOST_IN_URL) {
+    return (
+      <DownloadLink href={exportUrl(behaviour.id, ids)}>
+        <Trans>Export selected</Trans>
+      </DownloadLink>
+    );
+  }
+  return (
+    <Button
+      icon="download"
+      // Not `disabled`, which would lose the focus.
+      aria-disabled={load.isPending}
+      onClick={() => {
+        if (!load.isPending) load.mutate();
+      }}
+    >
+      {load.isPending ? t`Exporting…` : t`Export selected`}
+    </Button>
   );
 }

@@ -1,5 +1,5 @@
 /** The library's filter and order, and how the address encodes them. */
-import type { Recording } from "@/api/types";
+import type { LibraryEntry } from "@/api/types";
 
 export const SHOWN = ["all", "perfect", "ranked", "unranked", "deleted"] as const;
 export const SOURCES = ["person", "scripted", "policy", "varied"] as const;
@@ -15,6 +15,8 @@ export interface Filter {
   readonly hits: number | null;
   /** At most so many strays. */
   readonly strays: number | null;
+  /** The digits that its number begins with. */
+  readonly number: string | null;
   readonly order: (typeof ORDERS)[number];
 }
 
@@ -25,6 +27,7 @@ export const EVERYTHING: Filter = {
   verified: null,
   hits: null,
   strays: null,
+  number: null,
   order: "newest",
 };
 
@@ -37,6 +40,7 @@ export function readFilter(search: URLSearchParams): Filter {
     verified: oneOf(VERIFIED, search.get("verified")),
     hits: wholeNumber(search.get("hits")),
     strays: wholeNumber(search.get("strays")),
+    number: /^\d{1,10}$/.exec(search.get("number") ?? "")?.[0] ?? null,
     order: oneOf(ORDERS, search.get("order")) ?? EVERYTHING.order,
   };
 }
@@ -57,23 +61,24 @@ export function isNarrow(filter: Filter): boolean {
 }
 
 /** Returns the recordings that match a filter, in its order. */
-export function filtered(recordings: readonly Recording[], filter: Filter): Recording[] {
+export function filtered(recordings: readonly LibraryEntry[], filter: Filter): LibraryEntry[] {
   return recordings.filter((one) => fits(one, filter)).sort(COMPARE[filter.order]);
 }
 
-function fits(one: Recording, filter: Filter): boolean {
-  const { source, player, verified, hits, strays } = filter;
+function fits(one: LibraryEntry, filter: Filter): boolean {
+  const { source, player, verified, hits, strays, number } = filter;
   return (
     SHOWS[filter.show](one) &&
     (source === null || one.source === source) &&
     (player === null || one.player === player) &&
     (verified === null || (one.verification === "verified") === (verified === "yes")) &&
     (hits === null || hitsOf(one) >= hits) &&
-    (strays === null || (one.strays ?? 0) <= strays)
+    (strays === null || (one.strays ?? 0) <= strays) &&
+    (number === null || String(one.id).startsWith(number))
   );
 }
 
-const SHOWS: Readonly<Record<Filter["show"], (one: Recording) => boolean>> = {
+const SHOWS: Readonly<Record<Filter["show"], (one: LibraryEntry) => boolean>> = {
   all: (one) => !one.deleted,
   perfect: (one) => !one.deleted && one.perfect,
   ranked: (one) => !one.deleted && one.ranked,
@@ -81,7 +86,7 @@ const SHOWS: Readonly<Record<Filter["show"], (one: Recording) => boolean>> = {
   deleted: (one) => one.deleted,
 };
 
-type Compare = (a: Recording, b: Recording) => number;
+type Compare = (a: LibraryEntry, b: LibraryEntry) => number;
 
 const newest: Compare = (a, b) => b.id - a.id;
 const COMPARE: Readonly<Record<Filter["order"], Compare>> = {
@@ -93,7 +98,7 @@ const COMPARE: Readonly<Record<Filter["order"], Compare>> = {
   shots: (a, b) => a.shots - b.shots || newest(a, b),
 };
 
-function hitsOf(one: Recording): number {
+function hitsOf(one: LibraryEntry): number {
   return one.targets ?? one.hits.length;
 }
 

@@ -1,7 +1,7 @@
 import { t } from "@lingui/core/macro";
 import { useQuery } from "@tanstack/react-query";
 
-import { borrowedQuery } from "@/api/borrowed";
+import { borrowedQuery } from "@/api/library";
 import type { Recording } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { useBorrowing } from "@/components/recording/use-borrowing";

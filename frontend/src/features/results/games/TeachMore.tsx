@@ -3,7 +3,7 @@ import { Plural, Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import { useNavigate } from "react-router";
 
-import { borrowedQuery } from "@/api/borrowed";
+import { borrowedQuery } from "@/api/library";
 import type { Behaviour, Recording, RunResults } from "@/api/types";
 import { Button, ButtonLink } from "@/components/controls/Button";
 import { AlienGrid } from "@/components/game/AlienGrid";

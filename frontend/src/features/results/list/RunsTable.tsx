@@ -3,6 +3,7 @@ import { Trans } from "@lingui/react/macro";
 import { Link } from "react-router";
 
 import type { Behaviour, Interval, Run } from "@/api/types";
+import { useFirst } from "@/components/list/use-first";
 import { ThingMark } from "@/components/game/ThingMark";
 import { RunName } from "@/components/RunName";
 import { Ago } from "@/features/results/Ago";
@@ -24,6 +25,7 @@ interface RunsTableProps {
 /** Runs in a table of parameters and results. */
 export function RunsTable({ runs, behaviour, selected, onSelect }: RunsTableProps) {
   const of = behaviour.target?.length;
+  const [shown, more] = useFirst(runs);
   return (
     // Scrolls horizontally on a phone; focusable so that the keyboard can scroll it.
     // eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex
@@ -86,7 +88,7 @@ export function RunsTable({ runs, behaviour, selected, onSelect }: RunsTableProp
           </tr>
         </thead>
         <tbody>
-          {runs.map((run) => (
+          {shown.map((run) => (
             <RunRow
               key={run.id}
               run={run}
@@ -98,6 +100,7 @@ export function RunsTable({ runs, behaviour, selected, onSelect }: RunsTableProp
           ))}
         </tbody>
       </table>
+      {more}
     </div>
   );
 }

@@ -13,7 +13,7 @@ class Conflict extends Error {
 }
 
 function revision(number: number, tiers: Tiers): Revision {
-  return { revision: number, tiers, unranked: [], can_undo: true, can_redo: false };
+  return { revision: number, tiers, can_undo: true, can_redo: false };
 }
 
 /** A server with one ranking; answers wait until they are let out. */

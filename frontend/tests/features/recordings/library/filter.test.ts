@@ -37,6 +37,7 @@ describe("the library's filter", () => {
     expect(ids({ show: "perfect" })).toEqual([4]);
     expect(ids({ show: "unranked" })).toEqual([3, 2]);
     expect(ids({ source: "scripted" })).toEqual([2]);
+    expect(ids({ number: "3" })).toEqual([3]);
     expect(ids({ player: "Bo" })).toEqual([3]);
     expect(ids({ hits: 2 })).toEqual([4, 3]);
     expect(ids({ hits: 2, strays: 0 })).toEqual([3]);
@@ -65,6 +66,7 @@ describe("the library's filter", () => {
       player: fc.option(fc.string({ minLength: 1, unit: "grapheme" })),
       verified: fc.option(fc.constantFrom(...VERIFIED)),
       hits: fc.option(fc.nat({ max: 36 })),
+      number: fc.option(fc.nat({ max: 99_999 }).map(String)),
       strays: fc.option(fc.nat({ max: 36 })),
       order: fc.constantFrom(...ORDERS),
     });

@@ -1,0 +1,33 @@
+"""Libraries in brief, as tests read them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from starlette.testclient import TestClient
+
+
+def rows_of(library: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return the rows of an answer's columns, each with whether it is ranked."""
+    columns = library["recordings"]
+    rows = [
+        dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)
+    ]
+    return [row | {"ranked": row["id"] in library["ranked"]} for row in rows]
+
+
+def unranked_in(client: TestClient, behaviour: str) -> list[int]:
+    """Return what a behaviour, named by its path, can rank and has not ranked, newest first."""
+    rows = [
+        row
+        for path in ("library", "borrowed")
+        for row in rows_of(client.get(f"{behaviour}/{path}").json())
+    ]
+    return sorted(
+        (
+            row["id"]
+            for row in rows
+            if row["state"] == "kept" and row["verification"] == "verified" and not row["ranked"]
+        ),
+        reverse=True,
+    )
