@@ -31,13 +31,13 @@ export default tseslint.config(
   },
   {
     files: ["src/**"],
-    ignores: ["src/lib/storage.ts"],
+    ignores: ["src/lib/browser/storage.ts"],
     rules: {
       "no-restricted-globals": [
         "error",
         ...["localStorage", "sessionStorage"].map((name) => ({
           name,
-          message: "Access may throw: use @/lib/storage.",
+          message: "Access may throw: use @/lib/browser/storage.",
         })),
       ],
     },

@@ -3,7 +3,7 @@
  * again before its outcome is known. The server does what has a key once.
  */
 import { newUuid } from "@/lib/browser/uuid";
-import { ofTab } from "@/lib/storage";
+import { ofTab } from "@/lib/browser/storage";
 
 const HEADER = "Idempotency-Key";
 const STORAGE_KEY = "tril.submissions";

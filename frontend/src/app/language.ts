@@ -2,7 +2,7 @@
 import type { Messages } from "@lingui/core";
 
 import { i18n } from "@/lib/i18n";
-import { ofBrowser } from "@/lib/storage";
+import { ofBrowser } from "@/lib/browser/storage";
 
 /** Every language there is, by its own name. */
 export const LANGUAGES = { en: "English", de: "Deutsch" } as const;

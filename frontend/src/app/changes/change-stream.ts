@@ -3,7 +3,7 @@
  * per host, all tabs together, so one tab (the holder of a lock) keeps the stream and broadcasts
  * it to the others.
  */
-import { SilenceWatch } from "@/lib/silence";
+import { SilenceWatch } from "@/lib/browser/silence";
 
 export interface Change {
   readonly topic: string;

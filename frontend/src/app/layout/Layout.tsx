@@ -13,7 +13,7 @@ import { Unauthorised } from "@/app/Unauthorised";
 import { Button, IconButton } from "@/components/controls/Button";
 import { Alien } from "@/components/game/AlienGrid";
 import { TitleContext } from "@/components/PageTitle";
-import { followLayout } from "@/lib/keyboard";
+import { followLayout } from "@/lib/browser/keyboard";
 
 import styles from "./Layout.module.css";
 import { PlayerMenu } from "./PlayerMenu";

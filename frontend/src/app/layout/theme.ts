@@ -1,5 +1,5 @@
 /** The colour theme, stored in this browser. */
-import { ofBrowser } from "@/lib/storage";
+import { ofBrowser } from "@/lib/browser/storage";
 
 const THEMES = ["system", "light", "dark"] as const;
 type Theme = (typeof THEMES)[number];

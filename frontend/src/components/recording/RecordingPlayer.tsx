@@ -24,7 +24,7 @@ import type { RecordedFrames } from "@/lib/game/codec";
 import { Playback } from "@/lib/game/playback";
 import type { ScreenPainter } from "@/lib/game/screen";
 import { useFittingScreenSize } from "@/lib/game/use-screen-size";
-import { ofSigns } from "@/lib/keyboard";
+import { ofSigns } from "@/lib/browser/keyboard";
 import { stepOf } from "@/lib/recordings";
 
 import styles from "./RecordingPlayer.module.css";

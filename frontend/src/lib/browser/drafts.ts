@@ -2,7 +2,7 @@
  * What a person did that is not saved yet. It outlives the view, and a reload where the browser
  * stores it; closing or leaving the page asks first.
  */
-import { ofTab } from "@/lib/storage";
+import { ofTab } from "@/lib/browser/storage";
 
 const STORAGE_KEY = "tril.drafts";
 

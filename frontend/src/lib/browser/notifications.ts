@@ -1,5 +1,5 @@
 /** Notifications by the browser, if the person turned them on and the browser allows them. */
-import { ofBrowser } from "@/lib/storage";
+import { ofBrowser } from "@/lib/browser/storage";
 
 const KEY = "tril-notify";
 

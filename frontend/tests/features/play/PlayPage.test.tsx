@@ -8,7 +8,7 @@ import { DEFAULT_KEYS } from "@/features/play/input/keys";
 import { PlayPage } from "@/features/play/PlayPage";
 import { Sounds } from "@/features/play/sound/sounds";
 import { SCREEN_BYTES } from "@/lib/game/codec";
-import { SilenceWatch } from "@/lib/silence";
+import { SilenceWatch } from "@/lib/browser/silence";
 
 import { behaviour, recording } from "../../support/data";
 import { show } from "../../support/page";

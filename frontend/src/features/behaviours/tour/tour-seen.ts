@@ -1,5 +1,5 @@
 /** Whether this browser has shown the tour. */
-import { ofBrowser } from "@/lib/storage";
+import { ofBrowser } from "@/lib/browser/storage";
 
 const KEY = "tril.tour";
 

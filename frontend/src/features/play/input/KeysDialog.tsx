@@ -5,7 +5,7 @@ import { useEffect, useState } from "react";
 import { Button } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
 import { useSetting } from "@/features/play/settings/stored";
-import { placeOf } from "@/lib/keyboard";
+import { placeOf } from "@/lib/browser/keyboard";
 
 import {
   addKey,

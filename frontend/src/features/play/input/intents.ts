@@ -1,7 +1,7 @@
 /** What a key or gamepad button asks of the play page, besides steering. */
 import type { Phase } from "@/features/play/stream/game-state";
 import { SPEEDS } from "@/features/play/stream/text-messages";
-import { ofSigns, type Pressed } from "@/lib/keyboard";
+import { ofSigns, type Pressed } from "@/lib/browser/keyboard";
 
 import { PAD } from "./gamepad";
 import { type Control, controlOf, DEFAULT_KEYS, type KeyMap } from "./keys";

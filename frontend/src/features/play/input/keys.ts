@@ -3,7 +3,7 @@
 import { t } from "@lingui/core/macro";
 
 import type { Setting } from "@/features/play/settings/stored";
-import { placeOf, type Pressed, useKeyLabels } from "@/lib/keyboard";
+import { placeOf, type Pressed, useKeyLabels } from "@/lib/browser/keyboard";
 
 /** Bits of the play protocol's held keys. */
 export const LEFT = 1;

@@ -2,7 +2,7 @@ import { type RefObject, useEffect } from "react";
 
 import { readSetting } from "@/features/play/settings/stored";
 import type { GameStream } from "@/features/play/stream/game-stream";
-import { ofSigns, placeOf, type Pressed } from "@/lib/keyboard";
+import { ofSigns, placeOf, type Pressed } from "@/lib/browser/keyboard";
 
 import { dialogIsOpen } from "./dialogs";
 import { type Intent, intentOf, SinceEnd, steers } from "./intents";

@@ -1,7 +1,7 @@
 /** Settings kept in this browser's local storage. */
 import { useCallback, useSyncExternalStore } from "react";
 
-import { ofBrowser } from "@/lib/storage";
+import { ofBrowser } from "@/lib/browser/storage";
 
 /** A setting with its storage key. */
 export interface Setting<T> {

@@ -4,7 +4,7 @@ import { t } from "@lingui/core/macro";
 import { seconds } from "@/lib/format";
 import { ScreenDecoder } from "@/lib/game/codec";
 import type { Palette } from "@/lib/game/screen";
-import { SilenceWatch } from "@/lib/silence";
+import { SilenceWatch } from "@/lib/browser/silence";
 
 import { type FrameMessage, readFrame, writeAck, writeInput } from "./binary-messages";
 import type { AlienGeometry } from "./formation";

@@ -4,7 +4,7 @@ import { useCallback, useEffect, useRef, useState, useSyncExternalStore } from "
 import { isNotFound } from "@/api/client";
 import { newUuid } from "@/lib/browser/uuid";
 import { FRAME_RATE_HZ } from "@/lib/format";
-import { ofTab } from "@/lib/storage";
+import { ofTab } from "@/lib/browser/storage";
 
 import type { GameState } from "./game-state";
 import { type GameScreen, GameStream } from "./game-stream";

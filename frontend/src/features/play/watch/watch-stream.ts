@@ -10,7 +10,7 @@ import {
 } from "@/features/play/stream/text-messages";
 import { ScreenDecoder } from "@/lib/game/codec";
 import type { Palette } from "@/lib/game/screen";
-import { SilenceWatch } from "@/lib/silence";
+import { SilenceWatch } from "@/lib/browser/silence";
 
 import type { LookingNetwork } from "./choice";
 import type { Decision, LaneAttention, LaneEnded, Taken, WatchMessage } from "./watch-messages";

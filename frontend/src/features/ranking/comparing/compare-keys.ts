@@ -1,7 +1,7 @@
 /** The keys of a comparison. */
 import { type RefObject, useEffect } from "react";
 
-import { type Pressed as Key, signsOf } from "@/lib/keyboard";
+import { type Pressed as Key, signsOf } from "@/lib/browser/keyboard";
 
 export type Act = "game" | "equal" | "opponent" | "skip" | "worst" | "undo" | "play";
 

@@ -3,7 +3,7 @@ import userEvent from "@testing-library/user-event";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 
 import { WatchPage } from "@/features/play/watch/WatchPage";
-import { SilenceWatch } from "@/lib/silence";
+import { SilenceWatch } from "@/lib/browser/silence";
 
 import { behaviour, run } from "../../../support/data";
 import { show } from "../../../support/page";

@@ -1,9 +1,9 @@
 import { afterEach, beforeEach, describe, expect, it } from "vitest";
 
 import { areNotificationsOn, turnNotificationsOff } from "@/lib/browser/notifications";
-import { ofBrowser, ofTab } from "@/lib/storage";
+import { ofBrowser, ofTab } from "@/lib/browser/storage";
 
-import { denyStorage } from "../support/storage";
+import { denyStorage } from "../../support/storage";
 
 describe("storage", () => {
   it("keeps what is written until it is removed", () => {

@@ -1,9 +1,9 @@
 import { act, renderHook } from "@testing-library/react";
 import { afterEach, describe, expect, it, vi } from "vitest";
 
-import { followLayout, ofSigns, placeOf, signsOf, useKeyLabels } from "@/lib/keyboard";
+import { followLayout, ofSigns, placeOf, signsOf, useKeyLabels } from "@/lib/browser/keyboard";
 
-import { us } from "../support/keyboard";
+import { us } from "../../support/keyboard";
 
 describe("the signs of a key", () => {
   it.each([
