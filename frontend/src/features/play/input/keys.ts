@@ -115,9 +115,8 @@ export function keyName(code: string, labels: ReadonlyMap<string, string> = new 
   const label = labels.get(code)?.toUpperCase() ?? "";
   // Some letters have no upper case of their own.
   const printed = /^\S$/u.test(label) ? label : labels.get(code)?.trim();
-  return (
-    names()[code] ?? (printed || code.replace(/^(Key|Digit)(?=.$)/, "").replace(/^Numpad/, "Num "))
-  );
+  const place = code.replace(/^(Key|Digit)(?=.$)/, "").replace(/^Numpad/, "Num ");
+  return names()[code] ?? (printed === undefined || printed === "" ? place : printed);
 }
 
 /** Names keys as they are printed on this keyboard. */
