@@ -44,7 +44,7 @@ def library_view(
             id=[entry.id for entry in entries],
             source=[entry.source for entry in entries],
             player=[entry.player for entry in entries],
-            run_id=[entry.run_id for entry in entries],
+            run_id=[entry.run_id if knows_all else None for entry in entries],
             parent_id=[entry.parent_id if knows_all else None for entry in entries],
             parent_frame=[entry.parent_frame if knows_all else None for entry in entries],
             state=[entry.state for entry in entries],

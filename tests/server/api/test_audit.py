@@ -68,7 +68,7 @@ def test_marks_notes_and_renamings_are_logged(client: TestClient, workplace: Wor
     ):
         if body == {"perfect": False}:
             client.patch(path, json={"perfect": True})
-        assert client.request(method, url, json=body).status_code == 200
+        assert client.request(method, url, json=body).is_success
         (entry,) = _newest(client)
         assert (entry["action"], entry["subject"]) == said
         assert entry["player_id"] is not None
