@@ -64,7 +64,7 @@ def readable_errors() -> Iterator[None]:
         advice = _ADVICE.get(error.errno or 0, _PLACE if error.filename else None)
         if advice is None:
             raise
-        errors.print(Text.assemble(("Error:", "bold red"), f" {_what_failed(error)}. {advice}"))
+        errors.print(Text.assemble(("Error:", "bold red"), f" {_failure_of(error)}. {advice}"))
         raise typer.Exit(1) from error
 
 
@@ -90,7 +90,7 @@ _ADVICE = {
 """What to do about what the operating system refuses."""
 
 
-def _what_failed(error: OSError) -> str:
+def _failure_of(error: OSError) -> str:
     return f"{error.strerror}: {error.filename}" if error.filename else str(error.strerror)
 
 

@@ -26,7 +26,7 @@ Change = tuple[str, str]
 
 
 MOST_RECORDINGS = 50
-"""Of more recordings that changed, a page is told that libraries did."""
+"""Most changed recordings that a page is told of one by one; beyond that, of libraries."""
 
 
 def _together(changes: Collection[Change]) -> Collection[Change]:

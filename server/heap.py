@@ -6,7 +6,7 @@ import ctypes
 import os
 
 _M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD, _M_ARENA_MAX = -1, -3, -8
-"""Of malloc.h."""
+"""Number of the parameter in malloc.h."""
 
 _LARGE_BYTES = 128 * 1024
 """glibc's defaults, which it raises up to 32 MiB as soon as something large is freed."""
