@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from tests.tril.play.conftest import random_actions
+from tests.tril.conftest import random_actions
 from tril.games.atari.console import Console
 from tril.play.agent import AgentGame, StickyActions
 from tril.play.episode import Ending, EndReason, EpisodeEnded, Start

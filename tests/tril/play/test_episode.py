@@ -2,7 +2,7 @@ import itertools
 
 import pytest
 
-from tests.tril.play.conftest import random_actions
+from tests.tril.conftest import random_actions
 from tril.games.atari.console import Console
 from tril.games.space_invaders import memory as game
 from tril.games.space_invaders.memory import Action

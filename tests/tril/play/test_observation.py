@@ -4,7 +4,7 @@ import numpy.typing as npt
 import pytest
 from ale_py.vector_env import AtariVectorEnv
 
-from tests.tril.play.conftest import random_actions
+from tests.tril.conftest import random_actions
 from tril.games.atari.console import Console
 from tril.games.space_invaders.memory import INTRO_FRAMES, SCORE_ROWS
 from tril.play.agent import AgentGame

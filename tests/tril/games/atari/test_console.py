@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from tests.tril.play.conftest import random_actions
+from tests.tril.conftest import random_actions
 from tril.games.atari.console import Console, ConsoleState
 from tril.games.space_invaders.memory import ACTION_COUNT, INTRO_FRAMES, RAM_PHASE, rom_md5
 from tril.play.episode import Start

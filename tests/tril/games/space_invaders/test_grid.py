@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from tests.tril.conftest import LONG_GAME_FRAMES, LongGame
 from tests.tril.games.space_invaders.screen_reader import ALIEN_COLOUR, SKY, ScreenReader
-from tests.tril.play.conftest import LONG_GAME_FRAMES, LongGame
 from tril.games.atari.console import Console
 from tril.games.space_invaders import memory as game
 from tril.games.space_invaders.grid import AlienGrid, landed

@@ -1,4 +1,4 @@
-"""What the game's tests share: one console, one long game, random play."""
+"""What the tests of games and of play share: one console, one long game, random play."""
 
 from dataclasses import dataclass
 
