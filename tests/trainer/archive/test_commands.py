@@ -58,6 +58,7 @@ def test_the_commands_make_the_recipe_that_the_run_had(
             "policy.warm_start": False,
             "policy.freeze_convolutions": False,
             "evaluation.start_numbers": (3,),
+            "evaluation.further_start_numbers": (),
             "policy.snapshot_steps": (),
         },
     )
