@@ -19,6 +19,7 @@ from tests.trainer.samples import (
     tiny_recipe,
     weights,
 )
+from trainer.nn.checkpoints import CheckpointDamaged
 from trainer.policy import dagger
 from trainer.policy.cloning import train_clone
 from trainer.policy.dagger import LabelledGame, play_labelled, train_by_dagger
@@ -246,10 +247,13 @@ def test_a_finished_training_is_not_trained_again(
     assert same(weights(tmp_path / "again.zip"), finished.weights)
 
 
-def test_a_broken_checkpoint_says_what_to_do(task: ImitationTask, tmp_path: Path) -> None:
-    (tmp_path / "checkpoint.json").write_text("{")
-    with pytest.raises(Invalid, match="Remove it to begin anew"):
+def test_a_broken_checkpoint_is_named_by_its_path(task: ImitationTask, tmp_path: Path) -> None:
+    checkpoint = tmp_path / "checkpoint.json"
+    checkpoint.write_text("{")
+    with pytest.raises(CheckpointDamaged, match="can't be read: Expecting property") as damaged:
         train_by_dagger(task, tmp_path / "a.zip", tmp_path, RecordingProgress())
+    # The pipeline removes it and begins the stage anew.
+    assert damaged.value.path == checkpoint
 
 
 def test_what_the_demonstrator_does_not_know_is_refused_before_anything_is_played(
