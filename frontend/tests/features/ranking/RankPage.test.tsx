@@ -153,6 +153,37 @@ describe("unranked recordings below all tiers", () => {
   });
 });
 
+describe("a card that leaves the screen and comes back", () => {
+  it("stays where both are reported at once", async () => {
+    const observers: { element: Element; report: IntersectionObserverCallback }[] = [];
+    vi.stubGlobal(
+      "IntersectionObserver",
+      class {
+        private readonly report: IntersectionObserverCallback;
+        constructor(report: IntersectionObserverCallback) {
+          this.report = report;
+        }
+        observe(element: Element) {
+          observers.push({ element, report: this.report });
+        }
+        disconnect() {
+          /* nothing else is reported */
+        }
+      },
+    );
+    await open({ tiers: [[1], [2]] });
+    expect(screen.queryByRole("heading", { name: "Recording 1" })).toBeNull();
+    for (const { element, report } of observers) {
+      const entries = [false, true].map((isIntersecting) => ({
+        isIntersecting,
+        boundingClientRect: element.getBoundingClientRect(),
+      }));
+      act(() => report(entries as IntersectionObserverEntry[], {} as IntersectionObserver));
+    }
+    await waitFor(() => expect(board()).toEqual([["1"], ["2"]]));
+  });
+});
+
 describe("a game that was rewound", () => {
   it("is offered as a pair with its other branch, and ranked next to it", async () => {
     const server = await open({ tiers: [[1], [3], [2]] });

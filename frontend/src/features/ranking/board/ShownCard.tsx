@@ -83,7 +83,9 @@ function useNear(of: RefObject<HTMLElement | null>) {
     const element = of.current;
     if (!element || !("IntersectionObserver" in globalThis)) return undefined;
     const observer = new IntersectionObserver(
-      ([entry]) => {
+      (entries) => {
+        // A busy page gets several changes at once, the latest last.
+        const entry = entries.at(-1);
         if (!entry) return;
         const { isIntersecting: near, boundingClientRect } = entry;
         setSeen({ near, height: boundingClientRect.height });
