@@ -51,7 +51,12 @@ def page(browser: Browser, workplace: Workplace, misplaced: int) -> Iterator[Pag
 def test_a_misplaced_game_is_moved_where_the_others_suggest(page: Page, misplaced: int) -> None:
     wanted = page.get_by_role("region", name="What this order asks for")
     expect(wanted).to_be_visible(timeout=PATIENCE_MS)
-    expect(page.get_by_text(re.compile("^The others suggest tier"))).to_have_count(2 * N_GAMES)
+    tiers = page.get_by_role("listitem", name=re.compile(r"^Tier \d+ of \d+, 1 recording$"))
+    expect(tiers).to_have_count(2 * N_GAMES)
+    for tier in tiers.all():
+        # A card far out of sight is only a place.
+        tier.scroll_into_view_if_needed()
+        expect(tier.get_by_text(re.compile("^The others suggest tier"))).to_be_visible()
     expect(page.get_by_text(re.compile("^Probably tier"))).to_have_count(4)
     card = page.get_by_role("article", name=f"Recording {misplaced}", exact=True)
     move = card.get_by_role("button", name=re.compile(r"^Move to tier \d"))
