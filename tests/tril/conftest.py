@@ -1,16 +1,19 @@
 """What the tests of games and of play share: one console, one long game, random play."""
 
+import json
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tests.tril.games.space_invaders.aimer import clear_columns
 from tril.games.atari.console import Console
 from tril.play.episode import EndReason, Episode, Hit, Start
 
 LONG_START = Start(5)
 LONG_GAME_FRAMES = 6000
+LONG_GAME = Path(__file__).parents[1] / "data" / "long-game.json"
+"""Its actions, each with the number of frames that it is held."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +35,9 @@ def console() -> Console:
 @pytest.fixture(scope="session")
 def long_game(console: Console) -> LongGame:
     episode = Episode(console, LONG_START, max_frames=LONG_GAME_FRAMES)
-    clear_columns(episode, range(6))
+    for action, n_frames in json.loads(LONG_GAME.read_text()):
+        for _ in range(n_frames):
+            episode.advance(action)
     return LongGame(LONG_START, episode.actions, episode.hits, episode.end)
 
 

@@ -1,7 +1,11 @@
-"""A player for the tests: it reads the RAM and looks ahead on saved consoles."""
+"""The player of tests/data/long-game.json: it reads the RAM and looks ahead on saved consoles."""
 
+import json
 from collections.abc import Sequence
+from itertools import groupby
 
+from tests.tril.conftest import LONG_GAME_FRAMES, LONG_START
+from tril.games.atari.console import Console
 from tril.games.space_invaders import memory as game
 from tril.games.space_invaders.grid import missile_in_air, player_hit
 from tril.games.space_invaders.memory import Action
@@ -71,3 +75,9 @@ def _safe(episode: Episode, wanted: Action) -> Action:
             break
     console.restore(saved)
     return best
+
+
+if __name__ == "__main__":
+    played = Episode(Console(), LONG_START, max_frames=LONG_GAME_FRAMES)
+    clear_columns(played, range(game.COLUMNS))
+    print(json.dumps([[action, len(list(held))] for action, held in groupby(played.actions)]))
