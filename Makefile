@@ -21,6 +21,10 @@ DIST := dist
 PAGE_SOURCES := $(wildcard frontend/index.html frontend/*.ts frontend/*.json) \
 	$(shell test -d frontend/src && find frontend/src frontend/public -print 2>/dev/null)
 
+# Packages are installed uncompiled. Where nothing compiled is kept, every process compiles what it imports: 10 s of
+# processor time for PyTorch, 8 s for the server.
+unexport PYTHONDONTWRITEBYTECODE
+
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help run dev dev-server dev-page environment frontend test test-unit test-postgres coverage test-e2e \

@@ -45,10 +45,15 @@ def project(tmp_path: Path) -> Path:
 
 def steps(project: Path, target: str = "run") -> str:
     """Return the commands that make would run."""
+    return make(project, "--dry-run", target)
+
+
+def make(project: Path, *arguments: str) -> str:
+    """Run make and return what it writes."""
     # These tests run under a make themselves, whose flags must not reach this one.
     environ = {k: v for k, v in os.environ.items() if k not in {"MAKEFLAGS", "MAKELEVEL", "ARGS"}}
     done = subprocess.run(
-        ["make", "--dry-run", target],
+        ["make", *arguments],
         cwd=project,
         env=environ,
         capture_output=True,
@@ -95,6 +100,16 @@ def test_a_folder_without_an_environment_gets_one(project: Path) -> None:
     text = steps(project)
     assert "scripts/create_venv.sh" in text
     assert text.index("create_venv") < text.index("--editable .") < text.index("tril up")
+
+
+def test_compiled_modules_are_kept_whatever_the_environment_asks_for(
+    project: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")
+    tril = project / ".venv/bin/tril"
+    put_program(tril.parent, "tril", 'echo "[$PYTHONDONTWRITEBYTECODE]"')
+    os.utime(tril, (1_000_000, 1_000_000))
+    assert make(project, "run").strip() == "[]"
 
 
 def create_venv(python: str, search_path: Path, folder: Path) -> subprocess.CompletedProcess[str]:
