@@ -73,6 +73,7 @@ FOREIGN = {
     },
     "a terminal": {"COLUMNS": "3", "NO_COLOR": "1", "TERM": "x", "TZ": "x/y"},
     "other applications": {
+        "DBOS__CLOUD": "true",
         "DBOS__VMID": "x",
         "PGHOST": "/nowhere",
         "PORT": "x",

@@ -7,6 +7,7 @@ import sqlite3
 from pathlib import Path
 
 from dbos import DBOS, DBOSClient, DBOSConfig, DBOSPortableJSONSerializer, Serializer
+from dbos._utils import GlobalParams
 from sqlalchemy import make_url
 
 from tril.settings import Settings
@@ -21,6 +22,10 @@ VERSION = "1"
 """Jobs of another version are left alone. Raised when a job's argument, the run's id, changes."""
 
 POLL_S = 0.5
+
+# DBOS__CLOUD is for an application of DBOS's cloud, whose name and database the queue would take.
+# It is read when DBOS is loaded, which may be before anything of this package is.
+GlobalParams.dbos_cloud = False
 
 
 def prepare_queue(settings: Settings) -> None:
