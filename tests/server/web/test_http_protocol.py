@@ -58,13 +58,21 @@ def hasty(workplace: Workplace, monkeypatch: pytest.MonkeyPatch) -> Iterator[Liv
         yield server
 
 
+def _is_ended(client: socket.socket) -> bool:
+    """Wait for the end of a connection: closed, or reset where bytes came after its end."""
+    try:
+        return client.recv(1024) == b""
+    except ConnectionResetError:
+        return True
+
+
 @pytest.mark.parametrize(
     "begin", [b"", b"GET /api/he", b"GET /api/health HTTP/1.1\r\nHost: 127.0.0.1\r\nX-"]
 )
 def test_a_head_that_never_comes_is_not_waited_for(hasty: LiveServer, begin: bytes) -> None:
     with connected(hasty) as client:
         client.sendall(begin)
-        assert client.recv(1024) == b""
+        assert _is_ended(client)
 
 
 def test_the_second_head_of_a_connection_is_not_waited_for_either(hasty: LiveServer) -> None:
@@ -73,7 +81,7 @@ def test_the_second_head_of_a_connection_is_not_waited_for_either(hasty: LiveSer
         client.sendall(whole)
         assert b"ok" in client.recv(4096)
         client.sendall(whole[:20])
-        assert client.recv(1024) == b""
+        assert _is_ended(client)
 
 
 def test_streams_outlive_the_timeout(hasty: LiveServer) -> None:
