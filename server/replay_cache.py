@@ -8,19 +8,24 @@ import threading
 from server.clips import ClipKind, ClipMaker
 from server.play.replays import ReplayProcess, ReplayTask
 from tril.files.cache import Cache
-from tril.play.episode import Ending
 from tril.recording import Recording
 
-_FORMAT = 1
+_FORMAT = 2
 """Raised whenever the files change, so that cached ones of an earlier version are not used."""
 
 
 def version_of(recording: Recording) -> str:
     """Return a short digest of everything that a replay depends on."""
-    start = recording.start
+    game = recording.game
     digest = hashlib.blake2b(recording.actions, digest_size=10)
-    ending = () if recording.ending is Ending.HIT else (str(recording.ending),)
-    rest = (_FORMAT, recording.rom_md5, start.idle_frames, start.mode, start.difficulty, *ending)
+    rest = (
+        _FORMAT,
+        game.name,
+        recording.version,
+        recording.start.key,
+        recording.end_rule,
+        game.screen.hidden,
+    )
     digest.update(repr(rest).encode())
     return digest.hexdigest()
 

@@ -32,7 +32,7 @@ from trainer.reward.model import RewardModel, predicted_return
 from tril.exchange.backup import check_backup, make_backup
 from tril.exchange.behaviour_transfer import import_behaviour
 from tril.exchange.recording_transfer import import_recordings
-from tril.games.atari.console import Console
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.jobs import Jobs, prepare_queue
 from tril.recipes import FORMER_NAMES, RECIPES, recipe_from_dict
 from tril.recording import trajectory, verify
@@ -213,14 +213,14 @@ def test_a_persons_recordings_say_how_they_were_played(old: OldFolder) -> None:
 
 
 def test_recordings_of_every_kind_replay(old: OldFolder) -> None:
-    console = Console()
+    console = SPACE_INVADERS.make_console()
     with old.workplace.database.reading() as session:
         played = recordings.listing(session, OWN, with_deleted=True)
         rows = [row for row in played if row.source == "person" or row.id % 5 == 4]
         policies = recordings.listing(session, 1, with_policies=True)
         rows += [row for row in policies if row.run_id is not None][::9]
         for row in rows:
-            hits = [(hit.row, hit.column) for hit in recordings.hits_of(row)]
+            hits = [(hit.row, hit.column) for hit in recordings.taken_of(row)]
             assert verify(recordings.as_recording(row), hits, console).n_cut == 0
     assert Counter(str(row.source) for row in rows) == {"scripted": 3, "person": 4, "policy": 6}
 

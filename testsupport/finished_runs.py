@@ -23,9 +23,9 @@ from tril.analysis.outcome import (
     RunOutcome,
 )
 from tril.analysis.summary import PolicySummary
-from tril.behaviours import score
 from tril.exchange.run_archive import PICTURES, picture_name
 from tril.files.artifact_store import ArtifactStore
+from tril.games.behaviours import score
 from tril.stages import stages_of
 from tril.store import behaviours, recordings
 from tril.store.models import EvaluationRow, Source
@@ -104,7 +104,7 @@ def _keep_games(workplace: Workplace, run_id: str) -> None:
                     run_id=run_id,
                     conditions={"policy": policy, "action_selection": how},
                 )
-                cells = tuple((hit.row, hit.column) for hit in recordings.hits_of(shown))
+                cells = tuple((hit.row, hit.column) for hit in recordings.taken_of(shown))
                 key = EvaluationKey(policy, how, 0)
                 found = score(taught, cells)
                 level = number / 10

@@ -10,10 +10,16 @@ from starlette.testclient import TestClient
 def rows_of(library: dict[str, Any]) -> list[dict[str, Any]]:
     """Return the rows of an answer's columns, each with whether it is ranked."""
     columns = library["recordings"]
+    counters = columns.pop("counters")
     rows = [
         dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)
     ]
-    return [row | {"ranked": row["id"] in library["ranked"]} for row in rows]
+    return [
+        row
+        | {"ranked": row["id"] in library["ranked"]}
+        | {"counters": {name: counts[place] for name, counts in counters.items()}}
+        for place, row in enumerate(rows)
+    ]
 
 
 def unranked_in(client: TestClient, behaviour: str) -> list[int]:

@@ -20,7 +20,7 @@ from websockets.typing import Origin
 from server.app import create_app
 from server.main import Server, bind, server_config
 from server.play.rules import PlayRules
-from server.play.wire.codec import FrameDecoder, Screen
+from server.play.wire.codec import FrameDecoder
 from server.play.wire.protocol import (
     AckMessage,
     Alive,
@@ -35,8 +35,10 @@ from server.play.wire.protocol import (
 )
 from server.services import Services
 from testsupport.databases import settings_on
+from testsupport.space_invaders import Keys
 from testsupport.visitors import cookie_of
-from tril.games.space_invaders.controls import Keys
+from tril.games.base import Screen
+from tril.games.space_invaders.memory import SCREEN_SHAPE
 from tril.settings import Settings
 from tril.store import recordings
 from tril.store.database import Database, create_database
@@ -152,7 +154,7 @@ class GameClient:
     acknowledges: bool = True
     screens: dict[int, Screen] = field(default_factory=dict)
     frames: list[FrameMessage] = field(default_factory=list)
-    _decoder: FrameDecoder = field(default_factory=FrameDecoder)
+    _decoder: FrameDecoder = field(default_factory=lambda: FrameDecoder(SCREEN_SHAPE))
     _inputs: int = 0
 
     def next(self, timeout_s: float = TIMEOUT_S) -> FrameMessage | ServerMessage:

@@ -18,7 +18,7 @@ import torch
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection
 
-from server.play.wire.codec import FrameDecoder, Screen
+from server.play.wire.codec import FrameDecoder
 from server.play.wire.protocol import AckMessage, FrameMessage, client_bytes, parse_frame
 from testsupport.live import TIMEOUT_S, connect_to
 from testsupport.workplace import TINY, Workplace
@@ -27,6 +27,8 @@ from trainer.reward.model import RewardModel, new_network
 from trainer.runtime.answers import Models
 from trainer.runtime.inference import LocalServer, TcpServer, new_server
 from tril.files.artifact_store import ArtifactStore
+from tril.games.base import Screen
+from tril.games.space_invaders.memory import SCREEN_SHAPE
 from tril.recipes import Recipe
 from tril.settings import Settings
 from tril.store.models import RunStatus
@@ -51,7 +53,7 @@ def finished_run(
         model.save(paths["reward_model"])
         for seed, policy in enumerate(policies):
             paths[policy] = Path(folder) / f"{policy}.zip"
-            trained = new_policy(network, 0.0, np.random.default_rng(seed))
+            trained = new_policy(network, 6, 0.0, np.random.default_rng(seed))
             # Decided enough that what is selected does not hang on the last bit.
             weight = trained.action_net.weight
             assert isinstance(weight, torch.Tensor)
@@ -112,7 +114,7 @@ class Watcher:
                 return message
         lane, frame = data[0], parse_frame(data[1:])
         self.frames.setdefault(lane, []).append(frame)
-        decoder = self._decoders.setdefault(lane, FrameDecoder())
+        decoder = self._decoders.setdefault(lane, FrameDecoder(SCREEN_SHAPE))
         self.screens.setdefault(lane, {})[frame.frame] = decoder.decode(frame.encoded)
         if self.acknowledges:
             self.socket.send(bytes((lane,)) + client_bytes(AckMessage(frame.sequence)))

@@ -11,10 +11,11 @@ from functools import cache
 from pathlib import Path
 
 from testsupport.databases import copy_database, on_postgresql, settings_on
-from tril.games.atari.console import Console
+from tril.games.atari.starts import AtariStart
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.games.space_invaders.memory import Action
 from tril.jobs import prepare_queue
-from tril.play.episode import Episode, Start
+from tril.play.episode import Episode
 from tril.recipes import FAST, Recipe, with_values
 from tril.recording import Recorder, Recording, Replay
 from tril.settings import Settings
@@ -138,7 +139,7 @@ def _template(_on_postgresql: bool) -> Settings:
 
 
 def _played(play: Play) -> tuple[Recording, Replay]:
-    recorder = Recorder(Episode(Console(), Start(TRAINING_IDLE)))
+    recorder = Recorder(Episode(SPACE_INVADERS.make_console(), AtariStart(TRAINING_IDLE)))
     for frame in range(FRAMES):
         recorder.advance(play(frame))
     return recorder.recording(), recorder.replay()

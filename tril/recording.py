@@ -1,32 +1,31 @@
 """Recordings of episodes and their replay.
 
 A recording holds actions, not pixels. The game is a deterministic function of its start and
-actions, so a replay gives the same frames, hits and observations; a hash of the RAM once a second
-verifies this.
+actions, so a replay gives the same frames, items and observations; a hash of the console's memory
+once a second verifies this.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 import numpy.typing as npt
 
 from tril.errors import Invalid
-from tril.games.atari.console import Console
-from tril.games.space_invaders import memory as game
-from tril.play.episode import Ending, EndReason, Episode, EpisodeState, Hit, Start
+from tril.games.base import Cell, Console, Game, Start, Taken, cell_name
+from tril.play.episode import Episode, EpisodeState
 from tril.play.observation import OBSERVATION_SHAPE, AgentView
-
-HASH_EVERY_FRAMES = game.FRAME_RATE_HZ
-"""Frames between hashes of the RAM: one second."""
 
 LEVEL_STEPS = 25
 """Observations at a trajectory's beginning and end whose mean R is its first and its last level."""
 
-_ACTIONS = bytes(game.Action)
+
+def hash_interval(game: Game) -> int:
+    """Return the number of frames between hashes of the console's memory: one second."""
+    return game.clock.frame_rate_hz
 
 
 class RecordingRefused(Invalid):
@@ -38,36 +37,44 @@ class Recording:
     """A recorded episode.
 
     Attributes:
-        start: How the game began.
-        actions: The action executed at every frame, one byte each, see tril.game's Action.
-        ram_hashes: Console.ram_hash() after every 60th frame; empty if they were not recorded.
-        rom_md5: MD5 of the ROM it was played on, in hexadecimal.
-        ending: Which rule for the player's death ended it, and ends its replays.
+        game: The game.
+        start: How it began.
+        actions: The action executed at every frame, one byte each: an index of the game's actions.
+        hashes: Console.state_hash() after every second; empty if they were not recorded.
+        version: Version of the game that it was played on; "" for the one that is installed.
+        end_rule: Name of the rule by which a loss ended it, and ends its replays; "" for the
+            game's default.
     """
 
+    game: Game
     start: Start
     actions: bytes
-    ram_hashes: tuple[str, ...] = ()
-    rom_md5: str = field(default_factory=game.rom_md5)
-    ending: Ending = Ending.HIT
+    hashes: tuple[str, ...] = ()
+    version: str = ""
+    end_rule: str = ""
 
     def __post_init__(self) -> None:
-        """Check the actions and the number of hashes.
+        """Fill in the defaults; check the actions, the end rule and the number of hashes.
 
         Raises:
             RecordingRefused: An action is unknown or the number of hashes is wrong.
         """
-        if self.actions.translate(None, _ACTIONS):  # ten times as fast as max()
-            frame = next(f for f, a in enumerate(self.actions) if a >= len(game.Action))
+        object.__setattr__(self, "version", self.version or self.game.version)
+        end_rule = self.game.check_end_rule(self.end_rule or self.game.end_rule)
+        object.__setattr__(self, "end_rule", end_rule)
+        n_actions = self.game.controls.n_actions
+        if self.actions.translate(None, bytes(range(n_actions))):  # ten times as fast as max()
+            frame = next(f for f, a in enumerate(self.actions) if a >= n_actions)
             raise RecordingRefused(
-                f"Expected actions 0 to {len(game.Action) - 1}, got {self.actions[frame]} at"
-                f" frame {frame + 1}."
+                f"Expected actions 0 to {n_actions - 1}, got {self.actions[frame]} at frame"
+                f" {frame + 1}."
             )
-        n_hashes = self.n_frames // HASH_EVERY_FRAMES
-        if self.ram_hashes and len(self.ram_hashes) != n_hashes:
+        interval = hash_interval(self.game)
+        n_hashes = self.n_frames // interval
+        if self.hashes and len(self.hashes) != n_hashes:
             raise RecordingRefused(
-                f"Expected {n_hashes} RAM hashes, one after every {HASH_EVERY_FRAMES} of"
-                f" {self.n_frames} frames, got {len(self.ram_hashes)}."
+                f"Expected {n_hashes} hashes of the memory, one after every {interval} of"
+                f" {self.n_frames} frames, got {len(self.hashes)}."
             )
 
     @property
@@ -78,12 +85,12 @@ class Recording:
     @property
     def n_steps(self) -> int:
         """Number of agent steps, including one cut short by the end."""
-        return -(-len(self.actions) // game.FRAMES_PER_STEP)
+        return self.game.clock.n_steps(len(self.actions))
 
     def until(self, frame: int) -> Recording:
         """Return the recording up to a frame."""
-        hashes = self.ram_hashes[: frame // HASH_EVERY_FRAMES]
-        return replace(self, actions=self.actions[:frame], ram_hashes=hashes)
+        hashes = self.hashes[: frame // hash_interval(self.game)]
+        return replace(self, actions=self.actions[:frame], hashes=hashes)
 
 
 @dataclass(frozen=True)
@@ -91,18 +98,20 @@ class Replay:
     """What happened in a replay.
 
     Attributes:
-        hits: The aliens shot, in order of time.
-        end: Why the episode ended, None where the actions ended before.
+        taken: The items taken, in order of time.
+        end: Name of the end, None where the actions ended before.
         n_frames: Number of frames; actions after the end are not executed.
-        shots: Missiles that left the cannon.
-        ram_hashes: Hash of the RAM after every 60th frame.
+        counters: Counts, by name.
+        score: Rewards of the game itself.
+        hashes: Hash of the console's memory after every second.
     """
 
-    hits: tuple[Hit, ...]
-    end: EndReason | None
+    taken: tuple[Taken, ...]
+    end: str | None
     n_frames: int
-    shots: int
-    ram_hashes: tuple[str, ...]
+    counters: dict[str, int]
+    score: float
+    hashes: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -136,6 +145,7 @@ class Recorder:
         if episode.frame:
             raise ValueError(f"Expected an episode at its start, got one at frame {episode.frame}.")
         self.episode = episode
+        self._interval = hash_interval(episode.game)
         self._hashes: list[str] = []
 
     @classmethod
@@ -143,7 +153,7 @@ class Recorder:
         cls,
         recording: Recording,
         console: Console,
-        max_frames: int = game.MAX_FRAMES,
+        max_frames: int | None = None,
         near: EpisodeState | None = None,
     ) -> Self:
         """Resume a recording by replaying it on a console.
@@ -151,19 +161,19 @@ class Recorder:
         Args:
             recording: The game so far.
             console: The console to play on.
-            max_frames: Maximum length of the episode.
+            max_frames: Maximum length of the episode; None for the game's.
             near: A state of the same game, not after the recording's last frame, to replay from
-                instead of the start. The recording must have RAM hashes then.
+                instead of the start. The recording must have hashes then.
 
         Raises:
             RecordingRefused: The replay differs from the recording.
         """
-        _check_rom(recording)
-        recorder = cls(Episode(console, recording.start, recording.ending, max_frames))
+        _check_version(recording)
+        recorder = cls(Episode(console, recording.start, recording.end_rule, max_frames))
         if near is not None:
             recorder.episode.restore(near)
-            before = recorder.episode.frame // HASH_EVERY_FRAMES
-            recorder._hashes = list(recording.ram_hashes[:before])
+            before = recorder.episode.frame // recorder._interval
+            recorder._hashes = list(recording.hashes[:before])
         for action in recording.actions[recorder.episode.frame :]:
             if recorder.episode.end is not None:
                 raise RecordingRefused(
@@ -177,18 +187,31 @@ class Recorder:
     def advance(self, action: int) -> None:
         """Run and record one frame with this action; see Episode.advance."""
         self.episode.advance(action)
-        if self.episode.frame % HASH_EVERY_FRAMES == 0:
-            self._hashes.append(self.episode.console.ram_hash())
+        if self.episode.frame % self._interval == 0:
+            self._hashes.append(self.episode.console.state_hash())
 
     def recording(self) -> Recording:
         """Return the recording so far."""
         episode = self.episode
-        return Recording(episode.start, episode.actions, tuple(self._hashes), ending=episode.ending)
+        return Recording(
+            episode.game,
+            episode.start,
+            episode.actions,
+            tuple(self._hashes),
+            end_rule=episode.end_rule,
+        )
 
     def replay(self) -> Replay:
         """Return the outcome so far, as a replay of the recording will give."""
         episode = self.episode
-        return Replay(episode.hits, episode.end, episode.frame, episode.shots, tuple(self._hashes))
+        return Replay(
+            episode.taken,
+            episode.end,
+            episode.frame,
+            episode.counters,
+            episode.score,
+            tuple(self._hashes),
+        )
 
 
 def replay(
@@ -200,10 +223,11 @@ def replay(
 
     Args:
         recording: What to replay.
-        console: The console to replay on; None loads one, which takes 0.1 s.
+        console: A console of its game to replay on; None makes one.
         on_frame: Called at the start and after every frame.
     """
-    recorder = Recorder(Episode(console or Console(), recording.start, recording.ending))
+    console = console or recording.game.make_console()
+    recorder = Recorder(Episode(console, recording.start, recording.end_rule))
     episode = recorder.episode
     if on_frame:
         on_frame(episode)
@@ -218,31 +242,28 @@ def replay(
 
 def verify(
     recording: Recording,
-    hits: Sequence[tuple[int, int]] | None = None,
+    taken: Sequence[Cell] | None = None,
     console: Console | None = None,
 ) -> Verified:
     """Verify a recording by replaying it.
 
     Args:
-        recording: The recording; its RAM hashes are compared if it has any.
-        hits: The expected hits as (row, column), in order of time; None skips the comparison.
-        console: The console to replay on; None loads one.
+        recording: The recording; its hashes are compared if it has any.
+        taken: The expected items, in order of time; None skips the comparison.
+        console: A console of its game to replay on; None makes one.
 
     Raises:
-        RecordingRefused: It was played on another ROM, or the replay differs.
+        RecordingRefused: It was played on another version of the game, or the replay differs.
     """
-    _check_rom(recording)
+    _check_version(recording)
     played = replay(recording, console)
-    _check_hashes(recording, played.ram_hashes)
-    cells = [(hit.row, hit.column) for hit in played.hits]
-    if hits is not None and cells != [tuple(cell) for cell in hits]:
+    _check_hashes(recording, played.hashes)
+    cells = [one.cell for one in played.taken]
+    if taken is not None and cells != [tuple(cell) for cell in taken]:
         raise RecordingRefused(
-            f"The replay hits {_cells(cells)}, but the recording says {_cells(hits)}"
-            " ([row from the bottom, column from the left], from 0)."
+            f"The replay takes {_names(cells)}, but the recording says {_names(taken)}."
         )
-    kept = replace(
-        recording, actions=recording.actions[: played.n_frames], ram_hashes=played.ram_hashes
-    )
+    kept = replace(recording, actions=recording.actions[: played.n_frames], hashes=played.hashes)
     return Verified(kept, played, recording.n_frames - played.n_frames)
 
 
@@ -252,15 +273,15 @@ class Trajectory:
 
     Attributes:
         observations: uint8 (T + 1, 4, 84, 84), 0 to 255: at the start and after every step.
-        actions: int64 (T,), 0 to 5; see step_actions.
-        hits: The aliens shot, in order of time.
-        end: Why the episode ended, None if the recording ended before.
+        actions: int64 (T,), indices of the game's actions; see step_actions.
+        taken: The items taken, in order of time.
+        end: Name of the end, None if the recording ended before.
     """
 
     observations: npt.NDArray[np.uint8]
     actions: npt.NDArray[np.int64]
-    hits: tuple[Hit, ...] = ()
-    end: EndReason | None = None
+    taken: tuple[Taken, ...] = ()
+    end: str | None = None
 
     def __post_init__(self) -> None:
         """Check the shapes."""
@@ -285,14 +306,15 @@ def trajectory(recording: Recording, console: Console | None = None) -> Trajecto
 
     Args:
         recording: A verified recording.
-        console: The console to replay on; None loads one.
+        console: A console of its game to replay on; None makes one.
 
     Raises:
-        RecordingRefused: It was played on another ROM, or the replay differs.
+        RecordingRefused: It was played on another version of the game, or the replay differs.
     """
-    _check_rom(recording)
-    console = console or Console()
-    view = AgentView()
+    _check_version(recording)
+    console = console or recording.game.make_console()
+    view = AgentView(recording.game)
+    frames_per_step = recording.game.clock.frames_per_step
     observations = np.empty((recording.n_steps + 1, *OBSERVATION_SHAPE), np.uint8)
 
     def look(episode: Episode) -> None:
@@ -300,56 +322,59 @@ def trajectory(recording: Recording, console: Console | None = None) -> Trajecto
             view.reset(console)
         else:
             view.update(console, episode.frame)
-        if episode.frame % game.FRAMES_PER_STEP == 0:
-            view.observe(observations[episode.frame // game.FRAMES_PER_STEP])
+        if episode.frame % frames_per_step == 0:
+            view.observe(observations[episode.frame // frames_per_step])
 
     played = replay(recording, console, look)
-    _check_hashes(recording, played.ram_hashes)
-    kept = replace(recording, actions=recording.actions[: played.n_frames], ram_hashes=())
-    if played.n_frames % game.FRAMES_PER_STEP:
+    _check_hashes(recording, played.hashes)
+    kept = replace(recording, actions=recording.actions[: played.n_frames], hashes=())
+    if played.n_frames % frames_per_step:
         view.finish_step(console, played.n_frames)
         view.observe(observations[kept.n_steps])
     return Trajectory(
-        observations[: kept.n_steps + 1], step_actions(kept.actions), played.hits, played.end
+        observations[: kept.n_steps + 1],
+        step_actions(kept.actions, frames_per_step),
+        played.taken,
+        played.end,
     )
 
 
-def step_actions(actions: bytes) -> npt.NDArray[np.int64]:
-    """Return the action of each step of four frames, int64 (T,).
+def step_actions(actions: bytes, frames_per_step: int) -> npt.NDArray[np.int64]:
+    """Return the action of each step, int64 (T,).
 
     It is the action executed most often in the step; ties go to the one executed last, since a
     person's keys follow what was seen before.
     """
-    length = game.FRAMES_PER_STEP
-    steps = [actions[at : at + length] for at in range(0, len(actions), length)]
+    steps = [actions[at : at + frames_per_step] for at in range(0, len(actions), frames_per_step)]
     return np.array(
         [max(step, key=lambda a: (step.count(a), step.rindex(a))) for step in steps],
         np.int64,
     )
 
 
-def _check_rom(recording: Recording) -> None:
-    if recording.rom_md5 != game.rom_md5():
+def _check_version(recording: Recording) -> None:
+    if recording.version != recording.game.version:
         raise RecordingRefused(
-            f"The recording was played on another ROM (MD5 {recording.rom_md5}); expected"
-            f" {game.rom_md5()}, the Space Invaders of ale-py."
+            f"The recording was played on another version of {recording.game.title}"
+            f" ({recording.version}); {recording.game.version} is installed."
         )
 
 
 def _check_hashes(recording: Recording, replayed: Sequence[str]) -> None:
-    """Compare the recorded RAM hashes with those of a replay."""
-    if not recording.ram_hashes:
+    """Compare the recorded hashes with those of a replay."""
+    if not recording.hashes:
         return
+    interval = hash_interval(recording.game)
     for second, (recorded, seen) in enumerate(
-        zip(recording.ram_hashes, replayed, strict=False), start=1
+        zip(recording.hashes, replayed, strict=False), start=1
     ):
         if recorded != seen:
             raise RecordingRefused(
-                f"The replay differs from the recording: the RAM after frame"
-                f" {second * HASH_EVERY_FRAMES} has the hash {seen}, the recording says"
-                f" {recorded}. Its start or actions were changed or are incomplete."
+                f"The replay differs from the recording: the memory after frame"
+                f" {second * interval} has the hash {seen}, the recording says {recorded}. Its"
+                " start or actions were changed or are incomplete."
             )
 
 
-def _cells(cells: Sequence[tuple[int, int]]) -> str:
-    return ", ".join(f"[{row}, {column}]" for row, column in cells) or "no alien"
+def _names(cells: Sequence[Cell]) -> str:
+    return "; ".join(cell_name(cell) for cell in cells) or "nothing"

@@ -22,14 +22,15 @@ from benchmarks.learning.attempts import errors, with_swaps
 from benchmarks.learning.few_games import draw_labels
 from benchmarks.learning.opinion import Game, order, seen
 from cli.workspace import open_workspace
-from tril.behaviours import Behaviour, Cell
 from tril.demonstrators import play_randomly
 from tril.demonstrators.space_invaders.human_like import HumanLikePlayer
 from tril.demonstrators.space_invaders.plans import DemonstrationPlan, draw_hits
 from tril.demonstrators.space_invaders.player import draw_brisk_style, draw_style
-from tril.games.atari.console import Console
+from tril.games.base import Cell, Console, draw_start
+from tril.games.behaviours import Behaviour
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.games.space_invaders.memory import COLUMNS, ROWS
-from tril.play.episode import Episode, draw_start
+from tril.play.episode import Episode
 from tril.ranking import kendall_tau
 from tril.recording import Recorder, Recording, verify
 from tril.store import behaviours, rankings, recordings
@@ -68,7 +69,7 @@ def play_towards(region: tuple[Cell, ...], rng: np.random.Generator, console: Co
     fewest, most = AIMED_AT
     n_hits = int(rng.integers(fewest, min(most, len(allowed)), endpoint=True))
     wanted = draw_hits(DemonstrationPlan(1, "As many", allowed, n_hits, n_hits), rng)
-    recorder = Recorder(Episode(console, draw_start(rng)))
+    recorder = Recorder(Episode(console, draw_start(SPACE_INVADERS.starts, rng)))
     style = draw_brisk_style(rng) if rng.random() < BRISK_SHARE else draw_style(rng)
     HumanLikePlayer(recorder, wanted, style, errors(rng), rng).play()
     return recorder.recording()
@@ -87,7 +88,7 @@ def tau_of(games: list[Game], unseen: list[Game], n_marked: int, seed: int) -> f
 def keep(seed: int, console: Console) -> None:
     """Add a behaviour without targets to the data folder, and its ranked games."""
     rng = np.random.default_rng(seed)
-    behaviour = Behaviour("all", "All", "", CELLS)
+    behaviour = Behaviour("all", "All", "", "space_invaders", CELLS)
     played = [verify(play_towards(CELLS, rng, console), console=console) for _ in range(N_KEPT)]
     games = [seen(one.recording, console)(behaviour) for one in played]
     true = order(games)
@@ -106,7 +107,7 @@ def keep(seed: int, console: Console) -> None:
             for index, one in enumerate(played)
         ]
         rankings.save(session, own.id, 0, [[ids[index] for index in t] for t in ranking.tiers])
-        print(f"{own.slug}: {sorted(len(one.replay.hits) for one in played)} aliens hit")
+        print(f"{own.slug}: {sorted(len(one.replay.taken) for one in played)} aliens hit")
 
 
 def main() -> None:
@@ -116,14 +117,14 @@ def main() -> None:
     parser.add_argument("--first-seed", type=int, default=706)
     parser.add_argument("--keep", action="store_true")
     arguments = parser.parse_args()
-    console = Console()
+    console = SPACE_INVADERS.make_console()
     if arguments.keep:
         keep(arguments.first_seed, console)
         return
     print("| as many as possible of | games | random play | marked | tau | lowest |")
     print("|---|---:|---:|---:|---:|---:|")
     for name, region in REGIONS.items():
-        behaviour = Behaviour("as-many", "As many", "", region)
+        behaviour = Behaviour("as-many", "As many", "", "space_invaders", region)
         taus: dict[tuple[int, int, int], list[float]] = {one: [] for one in SHOWN}
         for seed in range(arguments.first_seed, arguments.first_seed + arguments.seeds):
             rng = np.random.default_rng(seed)

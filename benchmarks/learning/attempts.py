@@ -22,14 +22,16 @@ import numpy as np
 from benchmarks.learning.few_games import Example, judge, true_labels
 from benchmarks.learning.opinion import Game, order, seen
 from benchmarks.learning.own_behaviours import OWN
-from tril.behaviours import BUILT_IN, Behaviour
 from tril.demonstrators import HUMAN, ErrorModel, example_plans, play_randomly
 from tril.demonstrators.judging import swap_neighbours
 from tril.demonstrators.space_invaders.human_like import HumanLikePlayer
 from tril.demonstrators.space_invaders.plans import draw_hits
 from tril.demonstrators.space_invaders.player import draw_brisk_style, draw_style
-from tril.games.atari.console import Console
-from tril.play.episode import Episode, draw_start
+from tril.games.base import Console, draw_start
+from tril.games.behaviours import Behaviour
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.behaviours import BUILT_IN
+from tril.play.episode import Episode
 from tril.ranking import Ranking
 from tril.recording import Recorder, Recording
 
@@ -77,7 +79,7 @@ def errors(rng: np.random.Generator) -> ErrorModel:
 
 def attempt(behaviour: Behaviour, rng: np.random.Generator, console: Console) -> Recording:
     """Play a game that tries to do all of a behaviour."""
-    recorder = Recorder(Episode(console, draw_start(rng)))
+    recorder = Recorder(Episode(console, draw_start(SPACE_INVADERS.starts, rng)))
     wanted = draw_hits(example_plans(behaviour)[0], rng)
     style = draw_brisk_style(rng) if rng.random() < 0.5 else draw_style(rng)
     HumanLikePlayer(recorder, wanted, style, errors(rng), rng).play()
@@ -104,7 +106,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=4)
     parser.add_argument("--first-seed", type=int, default=604)
     arguments = parser.parse_args()
-    console = Console()
+    console = SPACE_INVADERS.make_console()
     for name, behaviours in (("Built-in behaviours", BUILT_IN), ("Further behaviours", OWN)):
         print(
             f"\n{name}:\n\n| attempts | random play | marked | wrong | aliens | furthest | best |"

@@ -17,20 +17,22 @@ import numpy as np
 import numpy.typing as npt
 import torch
 
+from testsupport.space_invaders import Keys, action_for
 from trainer.explain.attention import POSITIONS, attention_map
 from trainer.explain.occlusion import PATCH
 from trainer.reward.model import RewardModel, RewardNetwork
 from tril.analysis.outcome import AttentionState
-from tril.games.atari.console import Console
-from tril.games.space_invaders.controls import Keys, action_for
-from tril.games.space_invaders.starts import Start
+from tril.games.atari.starts import AtariStart
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.recording import Recording, trajectory
 
 
 def played_states(count: int) -> list[npt.NDArray[np.uint8]]:
     """Return observations spread over a game in which the player fires on the left."""
     actions = bytes([action_for(Keys.FIRE)] * 600)
-    observations = trajectory(Recording(Start(5), actions), Console()).observations
+    observations = trajectory(
+        Recording(SPACE_INVADERS, AtariStart(5), actions), SPACE_INVADERS.make_console()
+    ).observations
     return [observations[i] for i in np.linspace(1, len(observations) - 1, count).astype(int)]
 
 

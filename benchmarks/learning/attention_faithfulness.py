@@ -29,9 +29,10 @@ from trainer.progress import NullProgress
 from trainer.reward.model import RewardModel
 from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
 from trainer.reward.reward_trainer import train_reward_model
-from tril.behaviours import BUILT_IN, Behaviour
 from tril.demonstrators.example import make_example
-from tril.games.atari.console import Console
+from tril.games.behaviours import Behaviour
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.behaviours import BUILT_IN
 from tril.games.space_invaders.memory import BACKGROUND
 from tril.play.observation import Observation, Observations
 from tril.recipes import RECIPES, with_values
@@ -81,7 +82,7 @@ def learned(
     """Return a reward model of a behaviour's scripted example, and its ranked games."""
     recipe = with_values(RECIPES["fast"], {"reward.updates": updates}).reward
     shown = list(make_example(behaviour, np.random.default_rng(0)))
-    console = Console()
+    console = SPACE_INVADERS.make_console()
     ranked = sorted((d for d in shown if not d.perfect), key=lambda d: d.plan.number)
     games = [trajectory(d.recording, console) for d in ranked]
     if file is not None:

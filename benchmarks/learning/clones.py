@@ -13,15 +13,16 @@ from dataclasses import replace
 
 import numpy as np
 
+from testsupport.space_invaders import evaluation_start
 from trainer.policy.cloning import train_clone
 from trainer.policy.evaluation import play
 from trainer.policy.networks import SIZES, Policy
 from trainer.progress import NullProgress
-from tril.behaviours import BUILT_IN, Behaviour, score
 from tril.demonstrators.example import make_example
-from tril.games.atari.console import Console
-from tril.games.space_invaders.starts import evaluation_start
-from tril.play.episode import DEATHS
+from tril.games.behaviours import Behaviour, score
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.behaviours import BUILT_IN
+from tril.games.space_invaders.ends import DEATHS
 from tril.recipes import PAPER
 from tril.recording import Trajectory, trajectory
 from tril.store.training.evaluations import ActionSelection
@@ -35,13 +36,13 @@ def judge_clone(
 ) -> dict[str, float]:
     """Train a clone and let it play; return its means over the games with each action selection."""
     recipe = replace(PAPER.cloning, network=network)  # type: ignore[arg-type]
-    clone, learned = train_clone(shown, recipe, training_seed, NullProgress())
+    clone, learned = train_clone(shown, 6, recipe, training_seed, NullProgress())
     policy = Policy(clone)
     found = {"held_out_accuracy": learned.held_out_accuracy or np.nan}
     starts = [evaluation_start(number) for number in STARTS]
     for action_selection in ACTION_SELECTIONS:
-        games = play(policy, starts, action_selection, sampling_seed=training_seed)
-        scores = [score(behaviour, tuple((h.row, h.column) for h in g.hits)) for g in games]
+        games = play(SPACE_INVADERS, policy, starts, action_selection, sampling_seed=training_seed)
+        scores = [score(behaviour, tuple(h.cell for h in g.taken)) for g in games]
         found[f"{action_selection}_targets"] = float(
             np.mean([one.targets for one in scores if one])
         )
@@ -57,7 +58,7 @@ def main() -> None:
     parser.add_argument("--behaviour", choices=list(behaviours), action="append")
     parser.add_argument("--training-seed", type=int, default=0)
     arguments = parser.parse_args()
-    console = Console()
+    console = SPACE_INVADERS.make_console()
     result = {}
     print("behaviour network   held out  targets strays  lost  sampled: targets strays  lost")
     for slug in arguments.behaviour or list(behaviours):

@@ -32,10 +32,12 @@ from tril.analysis.wanted_aliens import (
     log_prior,
     pair_weights,
 )
-from tril.behaviours import BUILT_IN, Behaviour
 from tril.demonstrators import kind_named, make_example
 from tril.demonstrators.judging import swap_neighbours
-from tril.games.atari.console import Console
+from tril.games.base import Console
+from tril.games.behaviours import Behaviour
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.behaviours import BUILT_IN
 from tril.games.space_invaders.memory import COLUMNS, ROWS
 from tril.ranking import Ranking, normalise
 
@@ -189,7 +191,7 @@ def main() -> None:
     )
     parser.add_argument("--further", type=int, default=0, help="rank so many other best efforts")
     arguments = parser.parse_args()
-    console = Console()
+    console = SPACE_INVADERS.make_console()
     for name, behaviours in (("Built-in behaviours", BUILT_IN), ("Further behaviours", OWN)):
         found: dict[tuple[int, int], list[Mistakes]] = {}
         for behaviour, number in itertools.product(behaviours, range(arguments.seeds)):

@@ -25,10 +25,12 @@ import numpy as np
 
 from tril.analysis.opinions import Opinion, form_opinions
 from tril.analysis.wanted_aliens import Hits
-from tril.behaviours import BUILT_IN, Behaviour
 from tril.demonstrators import kind_named, make_example, play_randomly
 from tril.demonstrators.judging import merit, swap_neighbours
-from tril.games.atari.console import Console
+from tril.games.base import Console
+from tril.games.behaviours import Behaviour
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.behaviours import BUILT_IN
 from tril.ranking import Ranking, kendall_tau, normalise
 from tril.recording import Recording, trajectory
 
@@ -54,8 +56,8 @@ class Game:
 def seen(recording: Recording, console: Console) -> Callable[[Behaviour], Game]:
     """Replay a recording; return what judges it for a behaviour."""
     replayed = trajectory(recording, console)
-    hits = Hits.of(((hit.row, hit.column, hit.frame) for hit in replayed.hits), recording.n_frames)
-    cells = tuple((hit.row, hit.column) for hit in replayed.hits)
+    hits = Hits.of(((hit.row, hit.column, hit.frame) for hit in replayed.taken), recording.n_frames)
+    cells = tuple(hit.cell for hit in replayed.taken)
     return lambda behaviour: Game(hits, merit(behaviour, cells, replayed.end))
 
 
@@ -160,7 +162,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--first-seed", type=int, default=100)
     arguments = parser.parse_args()
-    console = Console()
+    console = SPACE_INVADERS.make_console()
     figures: dict[str, list[dict[str, float]]] = defaultdict(list)
     every: list[Game] = []
     seeds = range(arguments.first_seed, arguments.first_seed + arguments.seeds)

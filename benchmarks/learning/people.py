@@ -42,6 +42,7 @@ import torch
 from benchmarks.learning.attempts import attempt
 from benchmarks.learning.few_games import keep_evenly
 from benchmarks.learning.own_behaviours import BEHAVIOURS
+from testsupport.space_invaders import EVALUATION_STARTS
 from trainer.nn.precision import Precision
 from trainer.policy.cloning import train_clone
 from trainer.policy.evaluation import EvaluatedGame, play
@@ -55,21 +56,16 @@ from trainer.reward.model import RewardModel
 from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
 from trainer.reward.pretraining import read_features
 from trainer.reward.reward_trainer import train_reward_model
-from tril.behaviours import Behaviour, Cell, Score, score
 from tril.demonstrators import kind_named, make_example
 from tril.demonstrators.judging import merit, swap_neighbours
 from tril.demonstrators.random_play import play_randomly
 from tril.demonstrators.space_invaders.varied_play import play_varied
-from tril.games.atari.console import Console
+from tril.games.atari.starts import EVALUATION_START_COUNT, TRAINING_IDLE_FRAMES, AtariStart
+from tril.games.base import Cell, Console, Opening, Start
+from tril.games.behaviours import Behaviour, Score, score
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.ends import DEATHS
 from tril.games.space_invaders.memory import FRAMES_PER_STEP
-from tril.games.space_invaders.openings import Opening, draw_opening, evaluation_opening
-from tril.games.space_invaders.starts import (
-    EVALUATION_START_COUNT,
-    EVALUATION_STARTS,
-    TRAINING_IDLE_FRAMES,
-    Start,
-)
-from tril.play.episode import DEATHS
 from tril.ranking import best_ranked, kendall_tau, normalise
 from tril.recipes import FAST, Recipe, with_values
 from tril.recording import Recording, Trajectory, trajectory
@@ -91,7 +87,9 @@ WRONG_ANSWERS = 0.1
 N_UNSEEN_VARIED = 48
 """Games of varied play that the learned reward is judged on."""
 
-OPENINGS = [evaluation_opening(number) for number in range(EVALUATION_START_COUNT)]
+OPENINGS = [
+    SPACE_INVADERS.starts.evaluation_opening(number) for number in range(EVALUATION_START_COUNT)
+]
 
 Merit = tuple[int, int]
 
@@ -119,7 +117,7 @@ class Ranked:
         seen = trajectory(recording, console)
         self.recordings.append(recording)
         self.trajectories.append(seen)
-        self.merits.append(merit(self.behaviour, _cells(seen.hits), seen.end))
+        self.merits.append(merit(self.behaviour, _cells(seen.taken), seen.end))
         return len(self.merits) - 1
 
     def levels(self, model: RewardModel) -> list[float]:
@@ -187,10 +185,10 @@ def judge(
     how: ActionSelection,
 ) -> dict[str, Any]:
     """Return a policy's figures over games, and how far the reward model agrees with them."""
-    games = play(policy, starts, how, model=model)
+    games = play(SPACE_INVADERS, policy, starts, how, model=model)
     figures = [_figures(behaviour, game) for game in games]
     levels = [final_level(model.level(g.rewards)) for g in games if g.rewards is not None]
-    worths = [merit(behaviour, _cells(game.hits), game.end) for game in games]
+    worths = [merit(behaviour, _cells(game.taken), game.end) for game in games]
     return {name: float(np.mean([one[name] for one in figures])) for name in figures[0]} | {
         "level": float(np.mean(levels)),
         "tau": _tau(worths, levels),
@@ -216,7 +214,7 @@ class UnseenGames:
         self._clean = [
             index
             for index, seen in enumerate(self._own.trajectories)
-            if not _score(behaviour, seen.hits).strays
+            if not _score(behaviour, seen.taken).strays
         ]
         for _ in range(N_UNSEEN_VARIED):
             self._varied.add(play_varied(rng, console).recording, console)
@@ -267,7 +265,7 @@ def _tau(worths: Sequence[Merit], levels: Sequence[float]) -> float | None:
 
 
 def _figures(behaviour: Behaviour, game: EvaluatedGame) -> dict[str, float]:
-    found = _score(behaviour, game.hits)
+    found = _score(behaviour, game.taken)
     assert behaviour.target is not None
     died = game.end in DEATHS
     flawless = found.targets == len(behaviour.target) and not found.strays and not died
@@ -283,7 +281,7 @@ def hit_worth(behaviour: Behaviour, seen: Trajectory) -> npt.NDArray[np.float32]
     """Return targets hit minus strays at each state of a trajectory, float32 (T + 1,)."""
     assert behaviour.target is not None
     worth = np.zeros(len(seen.observations), np.float32)
-    for hit in seen.hits:
+    for hit in seen.taken:
         step = -(-hit.frame // FRAMES_PER_STEP)
         worth[step:] += 1.0 if (hit.row, hit.column) in behaviour.target else -1.0
     return worth
@@ -324,7 +322,7 @@ class Lesson:
         self.behaviour = BEHAVIOURS[arguments.behaviour]
         self.recipe: Recipe = with_values(FAST, dict(one.split("=", 1) for one in arguments.set))
         self.seed: int = arguments.training_seed
-        self.console = Console()
+        self.console = SPACE_INVADERS.make_console()
         self.rng = np.random.default_rng([self.seed, 1_000_039])
         self.ranked = Ranked(self.behaviour)
         self.perfect: list[Recording] = []
@@ -413,7 +411,7 @@ class Lesson:
 
     def train(self, folder: Path) -> dict[str, Any]:
         """Train the clone, then reward and imitator in rounds; return all figures."""
-        clone, _ = train_clone(self.seen, self.recipe.cloning, self.seed, NullProgress())
+        clone, _ = train_clone(self.seen, 6, self.recipe.cloning, self.seed, NullProgress())
         start = folder / "clone.zip"
         save_policy(clone, start)
         rounds = []
@@ -453,6 +451,7 @@ class Lesson:
 
     def _imitate(self, model: RewardModel, start: Path, folder: Path, number: int) -> Path:
         task = ImitationTask(
+            game=SPACE_INVADERS,
             model=model,
             recordings=self.ranked.recordings,
             tiers=self.ranked.tiers,
@@ -472,8 +471,11 @@ class Lesson:
         """Insert some of the imitator's games from training starts into the order."""
         rng = np.random.default_rng([self.seed, number, 5])
         idle_frames = rng.choice(TRAINING_IDLE_FRAMES, self.arguments.answers, replace=False)
-        starts = [draw_opening(Start(idle), rng) for idle in idle_frames.tolist()]
-        for game in play(imitator, starts, "sampled", sampling_seed=1_000 + number):
+        starts = [
+            SPACE_INVADERS.starts.draw_opening(AtariStart(idle), rng)
+            for idle in idle_frames.tolist()
+        ]
+        for game in play(SPACE_INVADERS, imitator, starts, "sampled", sampling_seed=1_000 + number):
             self.ranked.insert(self.ranked.add(game.recording, self.console), rng)
 
 

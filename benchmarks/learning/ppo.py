@@ -43,6 +43,7 @@ from trainer.policy.reward_shaping import RewardShaping
 from trainer.policy.rollout_buffer import ScreenRolloutBuffer
 from trainer.policy.vec_env import EpisodeEnd, TrilVecEnv
 from trainer.reward.model import RewardModel, new_network
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.play.vector.vector_game import TrainingStarts, VectorGame, VectorStep
 from tril.recipes import RECIPES, PolicyRecipe
 
@@ -240,7 +241,11 @@ def make_ours(
 ) -> TimedPPO:
     """Return our PPO on our games."""
     games = TimedGames(
-        recipe.n_envs, TrainingStarts(), n_parts=N_PARTS, training_seed=training_seed
+        SPACE_INVADERS,
+        recipe.n_envs,
+        TrainingStarts(SPACE_INVADERS),
+        n_parts=N_PARTS,
+        training_seed=training_seed,
     )
     model = shaping.model
     timed = TimedModel(model.network, model.offset, model.scale, model.zero, model.one)

@@ -21,8 +21,8 @@ import numpy.typing as npt
 
 from benchmarks.learning.few_games import Example, draw_labels, keep_evenly, make, rank_also
 from tril.analysis.wanted_aliens import worth
-from tril.behaviours import BUILT_IN
-from tril.games.atari.console import Console
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.behaviours import BUILT_IN
 from tril.ranking import Ranking, normalise
 
 ANSWERS = (0, 1, 2, 3, 5, 7, 10, 15)
@@ -97,7 +97,7 @@ def main() -> None:
     parser.add_argument("--ranked-games", type=int, default=3)
     parser.add_argument("--best-efforts", type=int, default=0, help="that are marked as perfect")
     arguments = parser.parse_args()
-    console = Console()
+    console = SPACE_INVADERS.make_console()
     errors: dict[str, list[list[float]]] = defaultdict(list)
     for behaviour, number in itertools.product(BUILT_IN, range(arguments.seeds)):
         seed = arguments.first_seed + number

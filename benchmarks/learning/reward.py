@@ -20,9 +20,9 @@ from trainer.progress import NullProgress
 from trainer.reward.check import check_ranking
 from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
 from trainer.reward.reward_trainer import train_reward_model
-from tril.behaviours import BUILT_IN
 from tril.demonstrators.example import make_example
-from tril.games.atari.console import Console
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.behaviours import BUILT_IN
 from tril.recipes import RECIPES
 from tril.recording import trajectory
 
@@ -45,7 +45,7 @@ def main() -> None:
     arguments = parser.parse_args()
     recipe = RECIPES[arguments.recipe].reward
     shown = list(make_example(behaviours[arguments.behaviour], np.random.default_rng(0)))
-    console = Console()
+    console = SPACE_INVADERS.make_console()
     ranked = sorted((d for d in shown if not d.perfect), key=lambda d: d.plan.number)
     trajectories = [trajectory(d.recording, console) for d in ranked]
     tiers = [[index] for index in range(len(ranked))]

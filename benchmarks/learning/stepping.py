@@ -21,6 +21,7 @@ import ale_py
 import numpy as np
 
 from tril.cores import core_count
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.games.space_invaders import memory as game
 from tril.play.vector.vector_game import TrainingStarts, VectorGame
 
@@ -102,8 +103,10 @@ def measure(n_games: int, n_processes: int, rounds: int, steps: int) -> dict[str
     """Measure raw and vector in turns and return the medians."""
     raw = Raw(n_processes)
     rng = np.random.default_rng(0)
-    starts = TrainingStarts()
-    with VectorGame(n_games, starts, n_processes=n_processes, training_seed=0) as vector:
+    starts = TrainingStarts(SPACE_INVADERS)
+    with VectorGame(
+        SPACE_INVADERS, n_games, starts, n_processes=n_processes, training_seed=0
+    ) as vector:
         vector.reset()
         # Not counted: caches are cold and most starts are reached for the first time.
         raw.rate(steps)

@@ -3,6 +3,7 @@
     python -m benchmarks.learning.yardsticks [-b column-3 -b row-1]
 
 The scripted player reads the console's memory, looks ahead on a saved game and goes for the targets
+from testsupport.space_invaders import idle_frames
 from wherever the opening leaves it: about as much as can be reached. The tape replays the perfect
 demonstration whose start differs from the game's by the fewest idle frames, from the step at which
 the opening ends: what remembering is worth. Both play the 32 games that benchmarks.learning.people
@@ -19,15 +20,16 @@ from typing import Any
 
 import numpy as np
 
-from tril.behaviours import BUILT_IN, Behaviour, score
+from testsupport.space_invaders import idle_frames
 from tril.demonstrators.example import make_example
 from tril.demonstrators.space_invaders.expert import Expert
-from tril.games.atari.console import Console
+from tril.games.atari.starts import EVALUATION_START_COUNT
+from tril.games.behaviours import Behaviour, score
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.behaviours import BUILT_IN
+from tril.games.space_invaders.ends import DEATHS
 from tril.games.space_invaders.memory import Action
-from tril.games.space_invaders.openings import evaluation_opening
-from tril.games.space_invaders.starts import EVALUATION_START_COUNT
 from tril.play.agent import STICKY_ACTION_PROBABILITY, AgentGame, StickyActions
-from tril.play.episode import DEATHS
 from tril.recording import step_actions
 
 Player = Callable[[AgentGame], int]
@@ -44,16 +46,16 @@ def figures(
         sticky: Probability that an action is repeated.
     """
     assert behaviour.target is not None
-    console = Console()
+    console = SPACE_INVADERS.make_console()
     rows = []
     for number in range(EVALUATION_START_COUNT):
         rng = np.random.default_rng([number, 7])
         game = AgentGame(console, sticky=StickyActions(sticky, rng) if sticky else None)
-        game.begin(evaluation_opening(number))
+        game.begin(SPACE_INVADERS.starts.evaluation_opening(number))
         player = player_of(number)
         while game.end is None:
             game.step(player(game))
-        found = score(behaviour, tuple((hit.row, hit.column) for hit in game.hits))
+        found = score(behaviour, tuple(hit.cell for hit in game.taken))
         assert found is not None
         died = game.end in DEATHS
         whole = found.targets == len(behaviour.target) and not found.strays + found.order_errors
@@ -64,7 +66,7 @@ def figures(
 
 def scripted(behaviour: Behaviour) -> Callable[[int], Player]:
     """Return the scripted player for each start."""
-    expert = Expert(behaviour, Console())
+    expert = Expert(behaviour, SPACE_INVADERS.make_console())
 
     def player_of(number: int) -> Player:
         expert.begin(np.random.default_rng(number))
@@ -76,11 +78,11 @@ def scripted(behaviour: Behaviour) -> Callable[[int], Player]:
 def tape(behaviour: Behaviour) -> Callable[[int], Player]:
     """Return the player that replays the perfect demonstration of the nearest start."""
     shown = [one for one in make_example(behaviour, np.random.default_rng(0)) if one.perfect]
-    starts = np.array([one.recording.start.idle_frames for one in shown])
-    tapes = [step_actions(one.recording.actions) for one in shown]
+    starts = np.array([idle_frames(one.recording.start) for one in shown])
+    tapes = [step_actions(one.recording.actions, 4) for one in shown]
 
     def player_of(number: int) -> Player:
-        idle = evaluation_opening(number).start.idle_frames
+        idle = idle_frames(SPACE_INVADERS.starts.evaluation_opening(number).start)
         played = tapes[int(np.abs(starts - idle).argmin())]
 
         def next_action(game: AgentGame) -> int:

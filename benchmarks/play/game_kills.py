@@ -29,8 +29,8 @@ from server.play.wire.protocol import Close, Ended, FrameMessage, Hello, Rewound
 from testsupport.databases import corrupt_databases
 from testsupport.live import GameClient, join
 from testsupport.processes import server_process
+from testsupport.space_invaders import Keys
 from testsupport.workplace import Workplace, make_workplace
-from tril.games.space_invaders.controls import Keys
 from tril.settings import Settings
 from tril.store import games
 from tril.store.models import RecordingState, Verification

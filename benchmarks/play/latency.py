@@ -32,10 +32,11 @@ from playwright.sync_api import Page, sync_playwright
 from benchmarks.play.support.crowd import running_crowd
 from testsupport.browser import launch_chromium
 from testsupport.processes import TrilProcess, whole_tril
+from testsupport.space_invaders import Keys, action_for, evaluation_start
 from testsupport.waiting import wait_until
-from tril.games.atari.console import Console
-from tril.games.space_invaders.controls import Keys, action_for
-from tril.play.episode import EVALUATION_START_COUNT, Episode, evaluation_start
+from tril.games.atari.starts import EVALUATION_START_COUNT
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.play.episode import Episode
 from tril.stages import Stage
 from tril.store.database import Database, create_database
 from tril.store.training import runs
@@ -167,7 +168,7 @@ def frames_until_something_moves() -> list[int]:
 
     1 means that the first frame executed with the key differs from the one without it.
     """
-    console, counts = Console(), []
+    console, counts = SPACE_INVADERS.make_console(), []
     for number in range(EVALUATION_START_COUNT):
         for key in (Keys.LEFT, Keys.RIGHT):
             episode = Episode(console, evaluation_start(number))
@@ -180,7 +181,7 @@ def frames_until_something_moves() -> list[int]:
                 shown = []
                 for _ in range(10):
                     episode.advance(action_for(keys))
-                    shown.append(console.screen_palette())
+                    shown.append(console.screen())
                 screens.append(shown)
             pairs = enumerate(zip(*screens, strict=True), start=1)
             differs = [n for n, (without, with_key) in pairs if (without != with_key).any()]

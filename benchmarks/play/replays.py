@@ -23,7 +23,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from tril.behaviours import BUILT_IN
+from testsupport.space_invaders import Keys, action_for
 from tril.cores import core_count
 from tril.demonstrators import example_plans
 from tril.demonstrators.error_model import HUMAN
@@ -31,10 +31,12 @@ from tril.demonstrators.space_invaders.human_like import HumanLikePlayer
 from tril.demonstrators.space_invaders.plans import draw_hits
 from tril.demonstrators.space_invaders.player import PlayStyle
 from tril.exchange.formats.recording_file import dump_recording, load_recording
-from tril.games.atari.console import Console
-from tril.games.space_invaders.controls import Keys, action_for
+from tril.games.atari.starts import TRAINING_IDLE_FRAMES, AtariStart
+from tril.games.base import Console
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.behaviours import BUILT_IN
 from tril.games.space_invaders.memory import Action
-from tril.play.episode import TRAINING_IDLE_FRAMES, Episode, Start
+from tril.play.episode import Episode
 from tril.recording import Recorder, RecordingRefused
 
 KEYS_HELD_FRAMES = 20
@@ -44,19 +46,19 @@ _Out = TypeVar("_Out")
 
 @cache
 def _console() -> Console:
-    return Console()
+    return SPACE_INVADERS.make_console()
 
 
 def record(number: int) -> str:
     """Play a game and return it in the exchange format."""
     rng = np.random.default_rng(number)
-    recorder = Recorder(Episode(_console(), Start(int(rng.choice(TRAINING_IDLE_FRAMES)))))
+    recorder = Recorder(Episode(_console(), AtariStart(int(rng.choice(TRAINING_IDLE_FRAMES)))))
     if number % 2:
         _play_as_a_person(recorder, number // 2, rng)
     else:
         _hold_random_keys(recorder, rng)
     played = recorder.replay()
-    return json.dumps(dump_recording(recorder.recording(), hits=played.hits, end=played.end))
+    return json.dumps(dump_recording(recorder.recording(), taken=played.taken, end=played.end))
 
 
 def _hold_random_keys(recorder: Recorder, rng: np.random.Generator) -> None:
@@ -77,7 +79,7 @@ def _play_as_a_person(recorder: Recorder, number: int, rng: np.random.Generator)
 def replays(line: str) -> int | None:
     """Replay a recording; returns its frames, None if it does not verify."""
     try:
-        return load_recording(json.loads(line), _console()).recording.n_frames
+        return load_recording(json.loads(line), {SPACE_INVADERS: _console()}).recording.n_frames
     except RecordingRefused:
         return None
 
@@ -88,7 +90,7 @@ def without_a_second(line: str) -> str | None:
     None if nothing was hit or no key was held then.
     """
     content = json.loads(line)
-    shot = load_recording(content, _console()).replay.hits
+    shot = load_recording(content, {SPACE_INVADERS: _console()}).replay.taken
     if not shot:
         return None
     actions = bytearray(base64.b64decode(content["actions"]))

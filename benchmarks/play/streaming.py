@@ -29,14 +29,17 @@ from server.play.lateness import Lateness
 from server.play.rules import PlayRules
 from server.play.session.live_game import GameInfo, LiveGame
 from server.play.session.session import PlaySession, SessionEvents, SessionResources
-from server.play.wire.codec import FrameEncoder, Screen
+from server.play.wire.codec import FrameEncoder
 from server.play.wire.connection import Connection
 from server.play.wire.protocol import AckMessage, Command, InputMessage, parse_frame
-from tril.behaviours import BUILT_IN
-from tril.games.atari.console import Console
+from testsupport.space_invaders import Keys, action_for
 from tril.games.atari.palette import palette_rgb
-from tril.games.space_invaders.controls import Keys, action_for
-from tril.play.episode import Episode, Start
+from tril.games.atari.starts import AtariStart
+from tril.games.base import Screen
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.behaviours import BUILT_IN
+from tril.games.space_invaders.memory import SCREEN_SHAPE
+from tril.play.episode import Episode
 from tril.recording import Recorder
 
 BLOCK_FRAMES = 30
@@ -46,16 +49,16 @@ Encode = Callable[[Screen], bytes]
 def played_frames(n_games: int, n_frames: int) -> list[Screen]:
     """Return the screens of games in which the player moves about and fires."""
     rng = np.random.default_rng(0)
-    console = Console()
+    console = SPACE_INVADERS.make_console()
     screens = []
     for number in range(n_games):
-        episode = Episode(console, Start(2 + 3 * number))
+        episode = Episode(console, AtariStart(2 + 3 * number))
         keys = Keys.FIRE
         for frame in range(n_frames):
             if frame % 20 == 0:
                 keys = Keys(int(rng.integers(3))) | Keys.FIRE
             episode.advance(action_for(keys))
-            screens.append(console.screen_palette())
+            screens.append(console.screen())
             if episode.end is not None:
                 break
     return screens
@@ -63,7 +66,7 @@ def played_frames(n_games: int, n_frames: int) -> list[Screen]:
 
 def encodings() -> dict[str, Encode]:
     """Return the encodings to compare, ours first."""
-    encoder = FrameEncoder()
+    encoder = FrameEncoder(SCREEN_SHAPE)
     palette = palette_rgb().tobytes()
 
     def png(screen: Screen) -> bytes:
@@ -136,7 +139,7 @@ async def lateness_ms(n_sessions: int, seconds: float) -> list[float]:
     pages = [ReadingPage() for _ in range(n_sessions)]
     sessions = []
     for number, page in enumerate(pages):
-        recorder = Recorder(Episode(Console(), Start(number)))
+        recorder = Recorder(Episode(SPACE_INVADERS.make_console(), AtariStart(number)))
         info = GameInfo(str(number), number, BUILT_IN[0])
         game = LiveGame(info, 1, recorder, PlayConditions())
         session = PlaySession(game, resources, SessionEvents(on_rewind, on_event, on_event))

@@ -13,13 +13,13 @@ from rich.table import Table
 
 from cli.output import JsonOption, console, errors, print_json
 from cli.workspace import find_behaviour, open_workspace
-from tril.behaviours import Cell
 from tril.demonstrators import play_varied
 from tril.errors import Invalid
 from tril.exchange import behaviour_transfer
 from tril.exchange.formats.behaviour_file import BehaviourRefused
 from tril.files.artifact_store import write_whole
-from tril.games.atari.console import Console
+from tril.games import game_named
+from tril.games.base import Cell
 from tril.store import audit, behaviours, borrowed, players, rankings
 
 app = typer.Typer(help="The behaviours to teach.", no_args_is_help=True)
@@ -101,7 +101,7 @@ def borrow(
     with open_workspace() as workspace:
         with workspace.database.reading() as session:
             row = find_behaviour(session, behaviour)
-        emulator = Console()
+        emulator = game_named(row.game).make_console()
         added = borrowed.add_varied_games(
             workspace.database,
             row.id,

@@ -12,11 +12,11 @@ from cli.output import JsonOption, console, print_json
 from cli.progress import progress_bar
 from cli.workspace import Workspace, open_workspace
 from tril.analysis.summary import GameFigures, summarise
-from tril.behaviours import Behaviour, score
 from tril.errors import Invalid
 from tril.files.artifact_store import ArtifactStore
-from tril.games.space_invaders.starts import EVALUATION_START_COUNT
-from tril.play.episode import DEATHS
+from tril.games import game_named
+from tril.games.atari.starts import EVALUATION_START_COUNT
+from tril.games.behaviours import Behaviour, score
 from tril.recipes import recipe_from_dict
 from tril.store import behaviours
 from tril.store.training import artifacts, runs
@@ -92,7 +92,6 @@ def _play(
     from trainer.policy.evaluation import beginnings, play
     from trainer.policy.networks import load_policy
     from trainer.reward.model import RewardModel
-    from tril.play.episode import Ending
 
     database = workspace.database
     store = ArtifactStore(workspace.settings.artifact_root)
@@ -100,17 +99,19 @@ def _play(
         run = runs.get(session, run_id)
         behaviour = behaviours.as_behaviour(behaviours.get(session, run.behaviour_id))
     recipe = recipe_from_dict(run.recipe)
+    game = game_named(behaviour.game)
     with artifacts.local_file(database, store, run_id, policy) as path:
         actor = load_policy(path)
     with artifacts.local_file(database, store, run_id, "reward_model") as path:
         model = RewardModel.load(path)
     with progress_bar("playing") as watched:
         games = play(
+            game,
             actor,
-            beginnings(recipe.evaluation, numbers),
+            beginnings(game, recipe.evaluation, numbers),
             action_selection.value,
             model=model,
-            ending=Ending(recipe.ending),
+            end_rule=recipe.ending,
             sampling_seed=sampling_seed,
             sticky_action_probability=sticky,
             progress=watched,
@@ -119,13 +120,13 @@ def _play(
 
 
 def _figures(behaviour: Behaviour, game: Any) -> GameFigures:
-    result = score(behaviour, tuple((hit.row, hit.column) for hit in game.hits))
+    result = score(behaviour, tuple(one.cell for one in game.taken))
     return GameFigures(
         targets=result.targets if result else None,
         strays=result.strays if result else None,
         order_errors=result.order_errors if result else None,
         steps=game.recording.n_steps,
-        died=game.end in DEATHS,
+        died=game_named(behaviour.game).is_death(game.end),
         predicted_return=game.predicted_return,
         n_targets=None if behaviour.target is None else len(behaviour.target),
     )

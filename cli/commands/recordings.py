@@ -15,10 +15,10 @@ from rich.text import Text
 
 from cli.output import JsonOption, console, errors, print_json
 from cli.workspace import find_behaviour, open_workspace
-from tril.behaviours import score
 from tril.errors import Invalid
 from tril.exchange import recording_transfer
 from tril.files.artifact_store import whole_file
+from tril.games.behaviours import score
 from tril.recording import RecordingRefused, verify
 from tril.store import audit, behaviours, players, recordings
 
@@ -37,7 +37,7 @@ def list_recordings(behaviour: BehaviourOption, as_json: JsonOption = False) -> 
         of = find_behaviour(session, behaviour)
         what = behaviours.as_behaviour(of)
         for row in recordings.in_order(session, recordings.library_ids(session, of.id)):
-            result = score(what, tuple((r, c) for r, c, _ in row.hits))
+            result = score(what, tuple((r, c) for r, c, _ in row.taken))
             if as_json:
                 print_json(
                     {
@@ -45,7 +45,7 @@ def list_recordings(behaviour: BehaviourOption, as_json: JsonOption = False) -> 
                         "source": row.source,
                         "frames": row.n_frames,
                         "end": row.end,
-                        "hits": row.hits,
+                        "hits": row.taken,
                         "targets": result.targets if result else None,
                         "strays": result.strays if result else None,
                         "order_errors": result.order_errors if result else None,
@@ -135,8 +135,7 @@ def verify_all(behaviour: BehaviourOption) -> None:
             with workspace.database.reading() as session:
                 row = recordings.get(session, key)
             try:
-                hits = [(hit.row, hit.column) for hit in recordings.hits_of(row)]
-                verify(recordings.as_recording(row), hits)
+                verify(recordings.as_recording(row), recordings.cells_of(row))
             except RecordingRefused as refusal:
                 wrong += 1
                 errors.print(f"Recording {row.id}: {refusal}")

@@ -14,10 +14,10 @@ from cli.follow import StandbyWorker, standby_worker
 from cli.output import console, errors
 from cli.progress import progress_bar
 from cli.workspace import Workspace, open_workspace
-from tril.behaviours import BUILT_IN
 from tril.demonstrators import KINDS, SCRIPTED, kind_named
 from tril.errors import Invalid
 from tril.files.artifact_store import ArtifactStore
+from tril.games.space_invaders.behaviours import BUILT_IN
 from tril.recipes import RECIPES, Recipe, judged_where_trained, recipe_from_dict
 from tril.store import behaviours
 from tril.store.models import RunRow, RunStatus

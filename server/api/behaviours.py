@@ -21,7 +21,6 @@ from server.web.permissions import for_reader
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril.demonstrators import GameOutcome, example_plans, match_plans
 from tril.errors import Invalid
-from tril.play.episode import EndReason
 from tril.store import behaviours, library
 from tril.store.models import BehaviourRow, RecordingState, Verification
 
@@ -110,8 +109,8 @@ def restore_behaviour(session: WriteSession, who: Who, behaviour_id: BehaviourId
 
 def _played(entry: library.Entry) -> GameOutcome:
     return GameOutcome(
-        hits=tuple((row, column) for row, column, _ in entry.hits),
-        end=None if entry.end is None else EndReason(entry.end),
+        hits=tuple((row, column) for row, column, _ in entry.taken),
+        end=entry.end,
         n_frames=entry.n_frames,
     )
 

@@ -119,7 +119,7 @@ def get_ranking_opinion(request: Request, behaviour_id: BehaviourId) -> RankingO
         perfect = recordings.perfect_ids(session, behaviour_id)
         unranked = rankings.unranked(session, row)[:MAX_UNRANKED_OPINIONS]
         rows = recordings.by_ids(session, {*ranking.items, *unranked, *perfect})
-        hits = {key: Hits.of(one.hits, one.n_frames) for key, one in rows.items()}
+        hits = {key: Hits.of(one.taken, one.n_frames) for key, one in rows.items()}
     opinions = form_opinions(ranking, hits, perfect)
     if opinions is None:
         return RankingOpinion(revision=revision, games=[], wanted=None)
@@ -144,11 +144,13 @@ def add_varied_games(
 ) -> list[Recording]:
     """Add games of other behaviours and of varied play, unranked, and return them."""
     services = services_of(request)
+    with services.database.reading() as session:
+        game = behaviours.get(session, behaviour_id).game
     ids = borrowed.add_varied_games(
         services.database,
         behaviour_id,
         wish.count,
-        lambda seed: services.replays.play_varied(seed).result(),
+        lambda seed: services.replays.play_varied(game, seed).result(),
         np.random.default_rng(),
     )
     with services.database.reading() as session:

@@ -20,7 +20,6 @@ from server.play.replays import ReplayTask
 from server.play.replays.products import read_observation, read_observations
 from server.replay_cache import ReplayCache, version_of
 from server.web.problems import NOT_FOUND
-from tril.games.space_invaders.cannon_track import cannon_track
 from tril.games.space_invaders.memory import MAX_STEPS
 from tril.inference import AttentionMethod, AttentionNetwork, GivenUp
 from tril.recording import Recording
@@ -120,10 +119,10 @@ def get_recording_clip(source: Source, recording_id: RecordingId, kind: ClipKind
 
 @router.get("/behaviours/{behaviour_id}/ghost", responses=NOT_FOUND, tags=["behaviours"])
 def get_ghost(request: Request, behaviour_id: BehaviourId) -> Ghost | None:
-    """Return where the cannon of the best demonstration stood in every frame.
+    """Return where the player of the best demonstration stood in every frame.
 
     The best one is the first of the ranking's best tier, without a ranking the newest one that is
-    marked as perfect; null if there is neither.
+    marked as perfect; null if there is neither, or the game does not tell.
     """
     services = services_of(request)
     with services.database.reading() as session:
@@ -132,8 +131,10 @@ def get_ghost(request: Request, behaviour_id: BehaviourId) -> Ghost | None:
         if row is None:
             return None
         recording, key, source = recordings.as_recording(row), row.id, row.source
+    if recording.game.ghost is None:
+        return None
     memory = services.replay_cache.get(recording, ReplayTask.MEMORY)
-    track = cannon_track(memory, recording.start.difficulty)
+    track = recording.game.ghost(memory, recording.start)
     return Ghost.of(track, recording_id=key, source=source)
 
 

@@ -22,8 +22,8 @@ import numpy.typing as npt
 from PIL import Image
 
 from server.clips.request import ClipKind
-from tril.games.atari.console import Console
 from tril.games.atari.palette import palette_grayscale, palette_rgb
+from tril.games.base import Console
 from tril.games.space_invaders import memory as game
 from tril.play.episode import Episode
 from tril.recording import Recording, replay
@@ -72,7 +72,7 @@ def _screens(recording: Recording, console: Console | None) -> Screens:
     screens = np.empty((recording.n_frames + 1, *game.SCREEN_SHAPE), np.uint8)
 
     def look(episode: Episode) -> None:
-        episode.console.screen_palette(screens[episode.frame])
+        episode.console.screen(screens[episode.frame])
 
     played = replay(recording, console, look)
     return screens[: played.n_frames + 1]

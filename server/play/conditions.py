@@ -12,7 +12,7 @@ from typing import Annotated, Any, Self
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
 from tril.analysis.summary import Policy
-from tril.games.space_invaders.memory import MAX_FRAMES
+from tril.games.base import MAX_FRAMES
 from tril.store.training.evaluations import ActionSelection
 
 KEY = "play"
@@ -21,8 +21,8 @@ KEY = "play"
 FULL_SPEED_PERCENT = 100
 SLOWEST_PERCENT = 25
 
-MAX_ENTRIES = 10 * MAX_FRAMES
-"""Bound on each list: about one entry per frame is what an honest page can reach."""
+MAX_ENTRIES = 12_000
+"""Bound on the lists that a page's messages lengthen: 3 minutes of a press in every frame."""
 
 BAD_P95_MS = 100.0
 """Six frames at 60 Hz; people steer poorly beyond that."""
@@ -69,7 +69,7 @@ class BegunBy(BaseModel):
 
 
 Percent = Annotated[int, Field(ge=SLOWEST_PERCENT, le=FULL_SPEED_PERCENT)]
-_Frames = Annotated[list[int], Field(max_length=MAX_ENTRIES)]
+_Frames = Annotated[list[int], Field(max_length=MAX_FRAMES)]
 
 
 def _increasing(speeds: list[tuple[int, int]]) -> list[tuple[int, int]]:
@@ -101,7 +101,7 @@ class PlayConditions(BaseModel):
         AfterValidator(_increasing),
     ] = []
     single_steps: _Frames = []
-    pauses: _Frames = []
+    pauses: Annotated[list[int], Field(max_length=MAX_ENTRIES)] = []
     begun_by: BegunBy | None = None
 
     @classmethod

@@ -12,8 +12,8 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from tril.games.atari.console import Console, StartCache
-from tril.play.episode import Start
+from tril.games import DEFAULT_GAME, game_named
+from tril.games.base import Console, Game, StartCache
 
 PATIENCE_S = 2.0
 """Longest wait for a moment without a running game before a console is loaded anyway."""
@@ -22,21 +22,28 @@ PAUSE_S = 0.3
 """Between two consoles loaded ahead, so that requests are served meanwhile."""
 
 
-class ConsolePool:
-    """A thread-safe pool of consoles.
+MAX_IDLE_OTHERS = 8
+"""Most idle consoles of other games than the one that is loaded ahead."""
 
-    It never shrinks; a console takes 0.7 MB. Consoles share the starts that were reached, so that
-    a start takes at most 127 frames and mostly none.
+
+class ConsolePool:
+    """A thread-safe pool of consoles of all games.
+
+    A console takes 0.7 MB. Consoles of a game share the starts that were reached, so that a start
+    takes at most 127 frames and mostly none. Of other games than the one that is loaded ahead, few
+    idle consoles are kept.
 
     Args:
         n_ahead: Number of consoles to load ahead.
+        game: Name of the game that they are loaded ahead of.
     """
 
-    def __init__(self, n_ahead: int = 0) -> None:
+    def __init__(self, n_ahead: int = 0, game: str = DEFAULT_GAME) -> None:
         self._n_ahead = n_ahead
+        self._game = game
         self._n_loaded = 0
         self._idle: list[Console] = []
-        self._start_cache: StartCache = {}
+        self._start_caches: dict[str, StartCache] = {}
         self._n_clocks = 0
         self._stopped = False
         self._changed = threading.Condition()
@@ -45,7 +52,7 @@ class ConsolePool:
 
     @property
     def n_loaded(self) -> int:
-        """Number of loaded consoles, taken or idle."""
+        """Number of loaded consoles of the game that is loaded ahead, taken or idle."""
         return self._n_loaded
 
     def start(self) -> None:
@@ -72,44 +79,58 @@ class ConsolePool:
                 self._n_clocks -= 1
                 self._changed.notify_all()
 
-    def take(self) -> Console:
-        """Take an idle console, or load one; blocks, so call it in a thread."""
+    def take(self, game: Game) -> Console:
+        """Take an idle console of a game, or load one; blocks, so call it in a thread."""
         give_up_at = time.monotonic() + PATIENCE_S
         with self._changed:
-            while not self._idle and self._n_clocks:
+            while (idle := self._pop(game)) is None and self._n_clocks:
                 if not self._changed.wait(give_up_at - time.monotonic()):
                     break
-            if self._idle:
-                return self._idle.pop()
+            if idle is not None:
+                return idle
         with self._loading:
             with self._changed:
-                if self._idle:  # loaded ahead meanwhile
-                    return self._idle.pop()
-            return self._load()
+                idle = self._pop(game)  # loaded ahead meanwhile
+            return idle or self._load(game)
 
     def give_back(self, console: Console) -> None:
         """Return a console, in any state; raises ValueError if it is here already."""
+        surplus: list[Console] = []
         with self._changed:
             if any(console is idle for idle in self._idle):
                 raise ValueError("Expected a console that was taken, got an idle one.")
             self._idle.append(console)
+            others = [idle for idle in self._idle if idle.game.name != self._game]
+            if len(others) > MAX_IDLE_OTHERS:
+                surplus = others[: len(others) - MAX_IDLE_OTHERS]
+                self._idle = [idle for idle in self._idle if idle not in surplus]
             self._changed.notify_all()
+        for idle in surplus:
+            idle.close()
+
+    def _pop(self, game: Game) -> Console | None:
+        """Take an idle console of a game out; call with the condition's lock held."""
+        for at in reversed(range(len(self._idle))):
+            if self._idle[at].game is game:
+                return self._idle.pop(at)
+        return None
 
     @contextmanager
-    def lent(self) -> Iterator[Console]:
-        """Take a console for a block."""
-        console = self.take()
+    def lent(self, game: Game) -> Iterator[Console]:
+        """Take a console of a game for a block."""
+        console = self.take(game)
         try:
             yield console
         finally:
             self.give_back(console)
 
-    def _load(self) -> Console:
+    def _load(self, game: Game) -> Console:
         """Load a console; call with the lock for loading held."""
-        console = Console(self._start_cache)
+        console = game.make_console(self._start_caches.setdefault(game.name, {}))
         # The first reset holds Python's lock too, for 4 ms; later starts restore a state.
-        console.start(Start(0))
-        self._n_loaded += 1
+        console.start(game.starts.training[0])
+        if game.name == self._game:
+            self._n_loaded += 1
         return console
 
     def _load_ahead(self) -> None:
@@ -121,6 +142,6 @@ class ConsolePool:
                     return
             with self._loading:
                 if self._n_loaded < self._n_ahead:
-                    self.give_back(self._load())
+                    self.give_back(self._load(game_named(self._game)))
             with self._changed:
                 self._changed.wait_for(lambda: self._stopped, PAUSE_S)

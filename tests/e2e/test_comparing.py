@@ -14,6 +14,7 @@ from tests.e2e.pages import DESKTOP, signed_in
 from testsupport.live import LiveServer, live_server
 from testsupport.workplace import Workplace
 from tril.demonstrators import play_randomly
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.store import rankings, recordings
 from tril.store.models import Source
 
@@ -32,7 +33,7 @@ def unranked(workplace: Workplace) -> list[int]:
     rng = np.random.default_rng(5)
     with workplace.database.writing() as session:
         for _ in range(N_UNRANKED):
-            one = play_randomly(rng)
+            one = play_randomly(rng, SPACE_INVADERS.make_console())
             recordings.add(session, 1, one.recording, one.replay, Source.VARIED)
         return rankings.unranked(session, rankings.current(session, 1))
 

@@ -45,7 +45,7 @@ def screens_of(workplace: Workplace, recording_id: int) -> npt.NDArray[np.uint8]
     seen: list[npt.NDArray[np.uint8]] = []
 
     def look(episode: Episode) -> None:
-        seen.append(palette_rgb()[episode.console.screen_palette()])
+        seen.append(palette_rgb()[episode.console.screen()])
 
     replay(recording, on_frame=look)
     return np.array(seen)

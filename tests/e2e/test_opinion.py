@@ -14,6 +14,7 @@ from tests.e2e.pages import signed_in
 from testsupport.live import live_server
 from testsupport.workplace import Workplace
 from tril.demonstrators import play_randomly
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.store import rankings, recordings
 from tril.store.models import Source
 
@@ -26,8 +27,8 @@ PHONE = ViewportSize(width=360, height=780)
 def misplaced(workplace: Workplace) -> int:
     """Rank games by their hits, the best of all below the worst, and return that one."""
     rng = np.random.default_rng(3)
-    played = [play_randomly(rng) for _ in range(2 * N_GAMES)]
-    played.sort(key=lambda one: len(one.replay.hits), reverse=True)
+    played = [play_randomly(rng, SPACE_INVADERS.make_console()) for _ in range(2 * N_GAMES)]
+    played.sort(key=lambda one: len(one.replay.taken), reverse=True)
     with workplace.database.writing() as session:
         ids = [
             recordings.add(session, 1, one.recording, one.replay, Source.VARIED).id

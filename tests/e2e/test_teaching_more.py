@@ -12,7 +12,7 @@ from server.web.pages import FRONTEND
 from tests.e2e.pages import DESKTOP, signed_in
 from testsupport.live import LiveServer, live_server
 from testsupport.workplace import Workplace
-from tril.behaviours import Score
+from tril.games.behaviours import Score
 from tril.recording import verify
 from tril.store import recordings
 from tril.store.models import RunStatus, Source

@@ -13,7 +13,7 @@ from server.app import create_app
 from server.play.rules import PlayRules
 from testsupport.visitors import cookie_of
 from testsupport.workplace import Workplace
-from tril.games.atari.console import Console
+from tril.games.base import Console
 from tril.recording import Recording, replay
 from tril.store import recordings
 from tril.store.database import Database

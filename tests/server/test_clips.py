@@ -19,7 +19,6 @@ from tests.server.clients import replayed, stored
 from testsupport.workplace import FRAMES, Workplace
 from tril.errors import Invalid, Unavailable
 from tril.files.cache import sealed
-from tril.games.atari.console import Console
 from tril.games.atari.palette import palette_grayscale, palette_rgb
 from tril.recording import Recording
 
@@ -31,7 +30,7 @@ def recording(workplace: Workplace) -> Recording:
 
 @pytest.fixture
 def screens(recording: Recording) -> npt.NDArray[np.uint8]:
-    return np.array(replayed(recording, Console.screen_palette))
+    return np.array(replayed(recording, lambda console: console.screen()))
 
 
 def clip(client: TestClient, recording_id: int, kind: str) -> bytes:
@@ -102,7 +101,7 @@ def test_an_unknown_kind_or_recording_is_refused(client: TestClient, workplace: 
 
 
 def test_a_recording_that_does_not_replay_is_refused_with_the_reason(recording: Recording) -> None:
-    wrong = replace(recording, ram_hashes=("0" * 16, *recording.ram_hashes[1:]))
+    wrong = replace(recording, hashes=("0" * 16, *recording.hashes[1:]))
     with pytest.raises(Invalid, match="after frame 60"):
         ClipMaker().make(wrong, ClipKind.GIF)
 

@@ -84,8 +84,10 @@ def test_tril_up_serves_the_page(how: dict[str, Any], tmp_path: Path) -> None:
 
 def test_games_are_played_by_processes_that_it_starts(how: dict[str, Any], programs: Path) -> None:
     program = """
+from tril.games import game_named
 from tril.play.vector.vector_game import TrainingStarts, VectorGame
-with VectorGame(2, TrainingStarts(), n_processes=2, training_seed=0) as games:
+game = game_named("space_invaders")
+with VectorGame(game, 2, TrainingStarts(game), n_processes=2, training_seed=0) as games:
     print(games.reset().shape)
 """
     done = subprocess.run(

@@ -16,8 +16,9 @@ from trainer.policy.imitation import ImitationTask, ImitatorResult
 from trainer.policy.networks import new_policy, save_policy
 from trainer.progress import Progress, RunCancelled
 from trainer.reward.model import RewardModel, new_network
-from tril.behaviours import BUILT_IN
-from tril.games.space_invaders.starts import Start
+from tril.games.atari.starts import AtariStart
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.behaviours import BUILT_IN
 from tril.recipes import FAST, PAPER, Recipe
 from tril.recording import Recording, Trajectory
 
@@ -69,7 +70,7 @@ def random_model(zero: float = 0.0, one: float = 1.0) -> RewardModel:
 
 def short_recording(actions: bytes = b"\x01" * 60 + b"\x02" * 60) -> Recording:
     """Return a game of one second of firing and one of walking."""
-    return Recording(Start(50), actions)
+    return Recording(SPACE_INVADERS, AtariStart(50), actions)
 
 
 def observations(count: int, seed: int = 0) -> np.ndarray:
@@ -103,8 +104,9 @@ def planted_trajectories(n_steps: int = 40) -> list[Trajectory]:
 def imitation_task(folder: Path) -> ImitationTask:
     """Return a task of two ranked games and a perfect one, with a clone saved in the folder."""
     clone = folder / "clone.zip"
-    save_policy(new_policy("small", 1e-3, np.random.default_rng(8)), clone)
+    save_policy(new_policy("small", 6, 1e-3, np.random.default_rng(8)), clone)
     return ImitationTask(
+        game=SPACE_INVADERS,
         model=random_model(),
         recordings=[short_recording(), short_recording(b"\x00" * 80)],
         tiers=[[0], [1]],

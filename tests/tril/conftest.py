@@ -7,10 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tril.games.atari.console import Console
-from tril.play.episode import EndReason, Episode, Hit, Start
+from tril.games.atari.console import AtariConsole
+from tril.games.atari.starts import AtariStart
+from tril.games.base import Console, Start, Taken
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.play.episode import Episode
 
-LONG_START = Start(5)
+LONG_START = AtariStart(5)
 LONG_GAME_FRAMES = 6000
 LONG_GAME = Path(__file__).parents[1] / "data" / "long-game.json"
 """Its actions, each with the number of frames that it is held."""
@@ -22,14 +25,16 @@ class LongGame:
 
     start: Start
     actions: bytes
-    hits: tuple[Hit, ...]
-    end: EndReason | None
+    hits: tuple[Taken, ...]
+    end: str | None
 
 
 @pytest.fixture(scope="session")
-def console() -> Console:
+def console() -> AtariConsole:
     """A console; every test begins with a start of its own."""
-    return Console()
+    console = SPACE_INVADERS.make_console()
+    assert isinstance(console, AtariConsole)
+    return console
 
 
 @pytest.fixture(scope="session")
@@ -38,7 +43,7 @@ def long_game(console: Console) -> LongGame:
     for action, n_frames in json.loads(LONG_GAME.read_text()):
         for _ in range(n_frames):
             episode.advance(action)
-    return LongGame(LONG_START, episode.actions, episode.hits, episode.end)
+    return LongGame(LONG_START, episode.actions, episode.taken, episode.end)
 
 
 def random_actions(seed: int, frames: int, hold: int = 4) -> list[int]:

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from tril.errors import Invalid
-from tril.play.episode import Ending
+from tril.games.space_invaders.ends import Ending
 from tril.recipes import (
     FAST,
     FORMER_NAMES,

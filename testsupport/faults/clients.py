@@ -19,12 +19,13 @@ from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidSta
 from server.play.wire.protocol import Close, Ended, FrameMessage, Hello, Paused
 from testsupport.faults.history import History, Kind, Request
 from testsupport.live import GameClient, join
+from testsupport.space_invaders import Keys
 from testsupport.workplace import Workplace
 from tril.exchange.formats.recording_file import dump_recording
-from tril.games.atari.console import Console
-from tril.games.space_invaders.controls import Keys
+from tril.games.atari.starts import AtariStart
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.games.space_invaders.memory import Action
-from tril.play.episode import Episode, Start
+from tril.play.episode import Episode
 from tril.recording import Recorder, Recording
 from tril.settings import Settings
 from tril.store.models import NOT_OVER, RunStatus
@@ -136,7 +137,7 @@ class Librarian(Client):
 
     def __init__(self, *arguments: Any) -> None:
         super().__init__(*arguments)
-        self._console = Console()
+        self._console = SPACE_INVADERS.make_console()
         self._sent = 0
         self._pending: tuple[str, str, dict[str, Any]] | None = None
         self._ranked: list[int] = []
@@ -177,7 +178,7 @@ class Librarian(Client):
             wants.append(request.answer)
 
     def _play(self) -> Recording:
-        recorder = Recorder(Episode(self._console, Start(int(self._rng.integers(64)))))
+        recorder = Recorder(Episode(self._console, AtariStart(int(self._rng.integers(64)))))
         for _ in range(12):
             action = int(self._rng.choice(list(Action)))
             for _ in range(10):
@@ -404,8 +405,7 @@ class Trainer(Client):
 
 def digest(recording: Recording) -> str:
     """Return what tells a recording from every other one."""
-    start = recording.start
-    told = f"{start.idle_frames} {start.mode} {start.difficulty} ".encode() + recording.actions
+    told = f"{recording.game.name} {recording.start.key} ".encode() + recording.actions
     return hashlib.blake2b(told, digest_size=12).hexdigest()
 
 

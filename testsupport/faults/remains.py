@@ -18,7 +18,7 @@ from testsupport.worker_kills import flaws
 from testsupport.workplace import Workplace
 from tril.errors import NotFound
 from tril.files.artifact_store import ArtifactStore
-from tril.games.atari.console import Console
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.recording import RecordingRefused, verify
 from tril.store import recordings
 from tril.store.models import (
@@ -136,7 +136,7 @@ class Remains:
 
 def _stored(rows: Sequence[RecordingRow]) -> Iterator[tuple[int, Stored]]:
     """Yield every recording of people, replayed."""
-    console = Console()
+    console = SPACE_INVADERS.make_console()
     for row in rows:
         if row.state == RecordingState.PLAYING or row.behaviour_id != BEHAVIOUR:
             continue

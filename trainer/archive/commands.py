@@ -6,10 +6,11 @@ import shlex
 from collections.abc import Mapping
 from typing import Any
 
-from tril.behaviours import BUILT_IN, Behaviour
 from tril.demonstrators import SCRIPTED
 from tril.exchange.formats.run_file import RunObject
 from tril.exchange.run_archive import RANKED, UNRANKED
+from tril.games.behaviours import Behaviour
+from tril.games.space_invaders.behaviours import BUILT_IN
 from tril.recipes import RECIPES, changed_values, recipe_from_dict
 
 

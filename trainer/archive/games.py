@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from tril.play.episode import DEATHS
 from tril.store.models import EvaluationRow
+from tril.store.recordings import died
 
 
 def best_and_worst(games: Sequence[EvaluationRow]) -> list[tuple[str, EvaluationRow]]:
@@ -27,6 +27,6 @@ def best_and_worst(games: Sequence[EvaluationRow]) -> list[tuple[str, Evaluation
 
 
 def _worth(game: EvaluationRow) -> tuple[int, int, bool, float]:
-    hits = len(game.recording.hits) if game.targets is None else game.targets
-    survived = game.recording.end not in DEATHS
+    hits = len(game.recording.taken) if game.targets is None else game.targets
+    survived = not died(game.recording)
     return hits, -(game.strays or 0), survived, game.predicted_return or 0.0

@@ -10,7 +10,7 @@ import json
 import re
 import tempfile
 import zipfile
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -29,12 +29,13 @@ from tril.exchange.recording_transfer import dump_row
 from tril.exchange.run_archive import EVALUATION, NETWORKS, RANKED, RUN_FILE, UNRANKED, RunArchive
 from tril.exchange.run_transfer import ExportedRun, export_run
 from tril.files.artifact_store import ArtifactStore, write_whole
+from tril.games import game_named
 from tril.games.space_invaders.memory import rom_md5
 from tril.recording import Recording
-from tril.store import recordings
+from tril.store import behaviours, recordings
 from tril.store.database import Database
 from tril.store.models import RecordingRow
-from tril.store.training import artifacts, evaluations, metrics
+from tril.store.training import artifacts, evaluations, metrics, runs
 from tril.store.training.evaluations import POLICIES
 
 MakeClip = Callable[[Recording], bytes]
@@ -76,9 +77,13 @@ def write_archive(
         exported = export_run(session, run_id)
         series = metrics.series(session, run_id)[1]
         games = evaluations.listing(session, run_id)
+        behaviour = behaviours.get(session, runs.get(session, run_id).behaviour_id)
+        actions = game_named(behaviour.game).controls.actions
     with tempfile.TemporaryDirectory(prefix="tril-archive-") as name:
         folder = Path(name)
-        members = dict(_data(exported)) | dict(_networks(database, store, run_id, folder, compact))
+        members = dict(_data(exported)) | dict(
+            _networks(database, store, run_id, folder, actions, compact)
+        )
         report = read_report(database, store, run_id)
         members |= {f"attention/{name}": content for name, content in _pictures(report)}
         if not compact:
@@ -127,13 +132,18 @@ def _lines(rows: Iterable[RecordingRow], tiers: dict[int, int]) -> bytes:
 
 
 def _networks(
-    database: Database, store: ArtifactStore, run_id: str, folder: Path, half: bool
+    database: Database,
+    store: ArtifactStore,
+    run_id: str,
+    folder: Path,
+    actions: Sequence[str],
+    half: bool,
 ) -> Iterator[tuple[str, bytes]]:
     for kind, name in NETWORKS.items():
         with artifacts.local_file(database, store, run_id, kind) as file:
             if kind in POLICIES:
                 written = folder / f"{kind}.safetensors"
-                save_weights(load_network(file), written, half=half)
+                save_weights(load_network(file), written, actions, half=half)
                 yield name, written.read_bytes()
             else:
                 yield name, file.read_bytes()

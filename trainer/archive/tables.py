@@ -58,7 +58,7 @@ def evaluation_table(games: Sequence[EvaluationRow]) -> str:
                 game.targets,
                 game.strays,
                 game.order_errors,
-                len(game.recording.hits),
+                len(game.recording.taken),
                 figures.steps,
                 figures.died,
                 game.recording.end,

@@ -10,7 +10,6 @@ import torch
 from torch import Tensor
 
 from trainer.nn.devices import CPU, forward_batch
-from tril.games.space_invaders.memory import Action
 from tril.play.observation import Observation, Observations
 
 
@@ -45,7 +44,7 @@ class ActionOdds:
         action: The action.
     """
 
-    def __init__(self, policy: Chooser, action: Action) -> None:
+    def __init__(self, policy: Chooser, action: int) -> None:
         self.action = action
         self._policy = policy
 
@@ -53,7 +52,7 @@ class ActionOdds:
     def of_choice(cls, policy: Chooser, observation: Observation) -> ActionOdds:
         """Return the odds of the action that a policy finds most likely in a state."""
         probabilities = policy.probabilities(observation[None])
-        return cls(policy, Action(int(probabilities[0].argmax())))
+        return cls(policy, int(probabilities[0].argmax()))
 
     def score(self, observations: Observations) -> npt.NDArray[np.float32]:
         """See Subject."""

@@ -16,7 +16,6 @@ from trainer.nn.screens import channels_last_screens, take_screens
 from trainer.policy.networks import ScreenPolicy, new_policy, pretrained_policy
 from trainer.progress import Progress
 from tril.errors import Invalid
-from tril.games.space_invaders.memory import Action
 from tril.recipes import CloningRecipe
 from tril.recording import Trajectory
 
@@ -43,35 +42,38 @@ class Transitions:
     Attributes:
         observations: uint8 (N, 4, 84, 84), in channels-last order.
         actions: int64 (N,).
+        n_actions: Number of the game's actions.
     """
 
     observations: Tensor
     actions: Tensor
+    n_actions: int
 
     @classmethod
-    def of(cls, trajectories: Sequence[Trajectory]) -> Transitions:
+    def of(cls, trajectories: Sequence[Trajectory], n_actions: int) -> Transitions:
         """Collect the steps of trajectories; the last observation has no action."""
         observations = np.concatenate([t.observations[:-1] for t in trajectories])
         actions = np.concatenate([t.actions for t in trajectories])
-        return cls(channels_last_screens(observations), torch.from_numpy(actions))
+        return cls(channels_last_screens(observations), torch.from_numpy(actions), n_actions)
 
     def on(self, device: torch.device) -> Transitions:
         """Return these transitions on a device."""
-        return Transitions(self.observations.to(device), self.actions.to(device))
+        return Transitions(self.observations.to(device), self.actions.to(device), self.n_actions)
 
     def class_weights(self) -> Tensor:
-        """Return the loss weight of each action, float32 (6,), with mean 1 over the transitions.
+        """Return the loss weight of each action, float32 (n_actions,), with mean 1.
 
         The inverse square root of an action's share: a rare one, such as a shot after a long wait,
         counts for more without being taken all the time.
         """
-        counts = F.one_hot(self.actions, len(Action)).sum(0).float()
+        counts = F.one_hot(self.actions, self.n_actions).sum(0).float()
         weights = torch.where(counts > 0, counts.clamp(min=1.0).rsqrt(), 0.0)
         return weights * (counts.sum() / (weights * counts).sum())
 
 
 def train_clone(
     trajectories: Sequence[Trajectory],
+    n_actions: int,
     recipe: CloningRecipe,
     training_seed: int,
     progress: Progress,
@@ -81,6 +83,7 @@ def train_clone(
 
     Args:
         trajectories: The demonstrations.
+        n_actions: Number of the game's actions.
         recipe: How it is learned.
         training_seed: Seeds all random numbers.
         progress: Counts epochs; receives loss, accuracy and held_out_accuracy.
@@ -94,14 +97,14 @@ def train_clone(
         raise Invalid("A clone needs at least one perfect demonstration to learn from.")
     rng = np.random.default_rng(training_seed)
     learned, held_out = _split(trajectories, recipe.validation_share, rng)
-    transitions = Transitions.of(learned).on(device)
-    validation = Transitions.of(held_out).on(device) if held_out else None
+    transitions = Transitions.of(learned, n_actions).on(device)
+    validation = Transitions.of(held_out, n_actions).on(device) if held_out else None
     if recipe.pretrained:
         policy = pretrained_policy(recipe.learning_rate, device)
         if recipe.freeze_convolutions:
             policy.freeze_convolutions()
     else:
-        policy = new_policy(recipe.network, recipe.learning_rate, rng, device)
+        policy = new_policy(recipe.network, n_actions, recipe.learning_rate, rng, device)
     best: tuple[float, dict[str, Tensor], CloneResult] | None = None
     for epoch in range(1, recipe.epochs + 1):
         loss, accuracy = _train_epoch(policy, transitions, recipe, epoch, rng, progress)

@@ -46,10 +46,11 @@ from trainer.progress import CallbackProgress, Progress
 from tril.demonstrators import Expert
 from tril.errors import Invalid
 from tril.files.artifact_store import write_whole
-from tril.games.atari.console import Console
-from tril.games.space_invaders.starts import Start, draw_start
+from tril.games.atari.starts import AtariStart
+from tril.games.base import Console, Start, draw_start
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.ends import DEATHS
 from tril.play.agent import AgentGame
-from tril.play.episode import DEATHS
 from tril.recording import Recording, Trajectory, trajectory
 
 FORMAT = "tril-dagger-checkpoint"
@@ -127,7 +128,7 @@ def play_labelled(
         on_step: Called after every step; what it raises ends the game.
     """
     (expert_rng,) = rng.spawn(1)
-    start = draw_start(rng)
+    start = draw_start(SPACE_INVADERS.starts, rng)
     game.reset(start)
     expert.begin(expert_rng)
     observations, labels, agreed = [game.observation], [], 0
@@ -143,7 +144,7 @@ def play_labelled(
         observations.append(game.observation)
         labels.append(label)
         on_step()
-    seen = Trajectory(np.stack(observations), np.array(labels, np.int64), game.hits, game.end)
+    seen = Trajectory(np.stack(observations), np.array(labels, np.int64), game.taken, game.end)
     share = None if policy is None else agreed / len(labels)
     return LabelledGame(seen, game.episode.actions, start, share)
 
@@ -165,8 +166,8 @@ class _Training:
         self._folder = folder
         self._progress = progress
         self._device = device
-        self._expert = Expert(task.behaviour, Console())
-        self._game = AgentGame(Console())
+        self._expert = Expert(task.behaviour, SPACE_INVADERS.make_console())
+        self._game = AgentGame(SPACE_INVADERS.make_console())
         self._shaping = RewardShaping.of(task.model, task.recipe.policy)
         self._games: list[LabelledGame] = []
         self._n_learned = 0
@@ -240,6 +241,7 @@ class _Training:
 
         policy, result = train_clone(
             [game.seen for game in self._games],
+            self._task.game.controls.n_actions,
             replace(
                 recipe.cloning,
                 network=recipe.policy.network,
@@ -250,7 +252,9 @@ class _Training:
             self._device,
         )
         policy.set_training_mode(False)
-        found, _ = evaluate_snapshot(Policy(policy), self._shaping, recipe, on_step)
+        found, _ = evaluate_snapshot(
+            self._task.game, Policy(policy), self._shaping, recipe, on_step
+        )
         save_policy(policy, self._policy_file(steps))
         self.snapshots.append(SnapshotScore(steps, found))
         return result
@@ -272,7 +276,7 @@ class _Training:
         rewards = self._task.model.score(seen.observations[1:])
         values = {"predicted_return": float(rewards.sum(dtype=np.float64))}
         died = seen.end in DEATHS
-        values |= episode_metrics(self._task.behaviour, seen.n_steps, seen.hits, died)
+        values |= episode_metrics(self._task.behaviour, seen.n_steps, seen.taken, died)
         if game.agreed is not None:
             values["agreement"] = game.agreed
         return values
@@ -335,8 +339,8 @@ def _to_dict(game: LabelledGame) -> dict[str, Any]:
 
 
 def _from_dict(data: dict[str, Any], console: Console) -> LabelledGame:
-    start, executed = Start(**data["start"]), base64.b64decode(data["executed"])
+    start, executed = AtariStart(**data["start"]), base64.b64decode(data["executed"])
     labels: npt.NDArray[np.uint8] = np.frombuffer(base64.b64decode(data["labels"]), np.uint8)
-    seen = trajectory(Recording(start, executed), console)
+    seen = trajectory(Recording(SPACE_INVADERS, start, executed), console)
     seen = replace(seen, actions=labels.astype(np.int64))
     return LabelledGame(seen, executed, start, data["agreed"])

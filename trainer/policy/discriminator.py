@@ -25,7 +25,6 @@ from trainer.nn.screens import channels_last_screens, take_screens
 from trainer.policy.imitation import ImitationTask
 from trainer.reward.model import RewardModel, RewardNetwork, new_network
 from tril.errors import Invalid
-from tril.games.atari.console import Console
 from tril.recipes import GailRecipe
 from tril.recording import trajectory
 
@@ -76,7 +75,7 @@ class Discriminator:
         Raises:
             Invalid: There is none.
         """
-        console = Console()
+        console = task.game.make_console()
         shown = [trajectory(recording, console) for recording in task.perfect if recording.actions]
         if not shown:
             raise Invalid("GAIL needs at least one perfect demonstration to learn from.")

@@ -11,11 +11,8 @@ import numpy.typing as npt
 
 from trainer.progress import NullProgress, Progress
 from trainer.reward.model import RewardModel
-from tril.games.space_invaders import memory as game
-from tril.games.space_invaders.openings import Opening, evaluation_beginning, start_of
-from tril.games.space_invaders.starts import Start
+from tril.games.base import Game, Opening, Start, Taken, evaluation_beginning, start_of
 from tril.play.agent import STICKY_ACTION_PROBABILITY, sample_actions
-from tril.play.episode import Ending, EndReason, Hit
 from tril.play.vector.vector_game import FinishedGame, FixedStarts, VectorGame
 from tril.recipes import EvaluationRecipe
 from tril.recording import Recording
@@ -26,7 +23,7 @@ class Actor(Protocol):
     """A policy."""
 
     def probabilities(self, observations: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
-        """Return the probability of each action, float32 (N, 6).
+        """Return the probability of each action, float32 (N, n_actions).
 
         Args:
             observations: uint8 (N, 4, 84, 84).
@@ -40,18 +37,22 @@ class EvaluatedGame:
     Attributes:
         start: How it began.
         recording: The actions executed, without RAM hashes, which a verifying replay adds.
-        hits: The aliens shot, in order of time.
-        end: Why it ended.
-        shots: Missiles fired.
+        taken: The items taken, in order of time.
+        end: Name of the end.
+        died: Whether it ended with the player's death.
+        counters: Counts, by name.
+        score: Rewards of the game itself.
         rewards: R of the state that the policy played on from and of the state after each of its T
             steps, float32 (T + 1,); None without a reward model.
     """
 
     start: Start
     recording: Recording
-    hits: tuple[Hit, ...]
-    end: EndReason
-    shots: int
+    taken: tuple[Taken, ...]
+    end: str
+    died: bool
+    counters: dict[str, int]
+    score: float
     rewards: npt.NDArray[np.float32] | None
 
     @property
@@ -61,12 +62,13 @@ class EvaluatedGame:
 
 
 def play(
+    game: Game,
     actor: Actor,
     starts: Sequence[Start | Opening],
     action_selection: ActionSelection,
     *,
     model: RewardModel | None = None,
-    ending: Ending = Ending.HIT,
+    end_rule: str | None = None,
     sampling_seed: int = 0,
     sticky_action_probability: float | None = None,
     n_processes: int | None = None,
@@ -75,12 +77,13 @@ def play(
     """Let a policy play one game from each start, all in parallel.
 
     Args:
+        game: The game.
         actor: The policy.
         starts: Where the games begin; the policy plays from the end of an opening on.
         action_selection: "greedy" takes the likeliest action, "sampled" samples actions by their
             probabilities, "sticky" takes the likeliest action while actions stick.
         model: Scores the states that the policy reaches.
-        ending: Which event of the player's death ends a game.
+        end_rule: Name of the rule by which a loss ends a game; the default where it has no such.
         sampling_seed: Seeds one generator per game, so that a game does not depend on which others
             are played beside it.
         sticky_action_probability: Of repeating the last frame's action; recordings hold the
@@ -95,16 +98,18 @@ def play(
     if sticky_action_probability is None:
         sticky_action_probability = stickiness(action_selection)
     generators = [
-        np.random.default_rng((sampling_seed, start.idle_frames, start.difficulty))
-        for start in map(start_of, starts)
+        np.random.default_rng((sampling_seed, *start.key)) for start in map(start_of, starts)
     ]
     rewards: list[list[float]] = [[] for _ in starts]
     finished: dict[int, FinishedGame] = {}
+    end_rule = game.known_end_rule(end_rule or "")
+    max_steps = game.clock.max_steps
     with VectorGame(
+        game,
         len(starts),
         FixedStarts(tuple(starts)),
         n_processes=n_processes,
-        ending=ending,
+        end_rule=end_rule,
         sticky_action_probability=sticky_action_probability,
         training_seed=sampling_seed,
     ) as games:
@@ -124,24 +129,28 @@ def play(
             finished |= {one.game: one for one in step.finished}
             observations = step.observations
             playing = np.array([i for i in playing if i not in finished], np.int64)
-            progress.advance(int(step.steps.max(initial=0)), game.MAX_STEPS)
-    progress.advance(game.MAX_STEPS, game.MAX_STEPS)
+            progress.advance(int(step.steps.max(initial=0)), max_steps)
+    progress.advance(max_steps, max_steps)
     return [
         EvaluatedGame(
             start=one.start,
-            recording=Recording(one.start, one.actions, ending=ending),
-            hits=one.hits,
+            recording=Recording(game, one.start, one.actions, end_rule=end_rule),
+            taken=one.taken,
             end=one.end,
-            shots=one.shots,
+            died=one.died,
+            counters=one.counters,
+            score=one.score,
             rewards=None if model is None else np.array(rewards[index], np.float32),
         )
         for index, one in sorted(finished.items())
     ]
 
 
-def beginnings(recipe: EvaluationRecipe, numbers: Sequence[int]) -> list[Start | Opening]:
+def beginnings(
+    game: Game, recipe: EvaluationRecipe, numbers: Sequence[int]
+) -> list[Start | Opening]:
     """Return where the games of evaluation starts begin, by the recipe with openings or without."""
-    return [evaluation_beginning(number, recipe.openings) for number in numbers]
+    return [evaluation_beginning(game.starts, number, recipe.openings) for number in numbers]
 
 
 def stickiness(action_selection: ActionSelection) -> float:

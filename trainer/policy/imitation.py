@@ -14,15 +14,8 @@ from trainer.policy.networks import Policy, ScreenPolicy
 from trainer.policy.reward_shaping import RewardShaping
 from trainer.progress import CallbackProgress
 from trainer.reward.model import RewardModel
-from tril.behaviours import Behaviour, score
-from tril.games.space_invaders.openings import Opening, draw_opening
-from tril.games.space_invaders.starts import (
-    TRAINING_IDLE_FRAMES,
-    Start,
-    evaluation_start,
-    spread_starts,
-)
-from tril.play.episode import Ending, Hit
+from tril.games.base import Game, Opening, Start, Taken, spread_starts
+from tril.games.behaviours import Behaviour, score
 from tril.recipes import Recipe
 from tril.recording import Recording
 
@@ -35,6 +28,7 @@ class ImitationTask:
     """What an imitator is trained from.
 
     Attributes:
+        game: The game.
         model: The learned reward.
         recordings: The ranked demonstrations.
         tiers: Indices into them, best tier first.
@@ -47,6 +41,7 @@ class ImitationTask:
             earlier run's imitator.
     """
 
+    game: Game
     model: RewardModel
     recordings: Sequence[Recording]
     tiers: Sequence[Sequence[int]]
@@ -109,54 +104,62 @@ def best_snapshot(snapshots: Sequence[SnapshotScore]) -> SnapshotScore:
 
 
 def evaluate_snapshot(
-    policy: Policy, shaping: RewardShaping, recipe: Recipe, on_step: Callable[[], None]
+    game: Game,
+    policy: Policy,
+    shaping: RewardShaping,
+    recipe: Recipe,
+    on_step: Callable[[], None],
 ) -> tuple[float, list[EvaluatedGame]]:
     """Return the mean shaped return of a policy's greedy games from training starts, and the games.
 
     Actions stick and openings come first as in training.
 
     Args:
+        game: The game.
         policy: The policy.
         shaping: The reward.
         recipe: How many games there are, and how they end.
         on_step: Called after every step of the games; what it raises ends them.
     """
     games = play(
+        game,
         policy,
-        snapshot_starts(recipe),
+        snapshot_starts(game, recipe),
         "greedy",
         sticky_action_probability=recipe.policy.sticky_action_probability,
         model=shaping.model,
-        ending=Ending(recipe.ending),
+        end_rule=recipe.ending,
         progress=CallbackProgress(on_step),
     )
     returns = [
-        shaping.shaped_return(game.rewards, game.end) for game in games if game.rewards is not None
+        shaping.shaped_return(one.rewards, one.died) for one in games if one.rewards is not None
     ]
     return float(np.mean(returns)), games
 
 
-def snapshot_starts(recipe: Recipe) -> list[Start | Opening]:
+def snapshot_starts(game: Game, recipe: Recipe) -> list[Start | Opening]:
     """Return the starts that snapshots are judged from, spread over all training starts."""
     policy = recipe.policy
-    starts = spread_starts(policy.snapshot_episodes, training_idle_frames(recipe))
+    starts = spread_starts(training_starts(game, recipe), policy.snapshot_episodes)
     n_openings = round(policy.opening_share * len(starts))
     rng = np.random.default_rng(_SNAPSHOT_OPENINGS)
-    return [draw_opening(start, rng) for start in starts[:n_openings]] + [*starts[n_openings:]]
+    return [game.starts.draw_opening(start, rng) for start in starts[:n_openings]] + [
+        *starts[n_openings:]
+    ]
 
 
-def training_idle_frames(recipe: Recipe) -> tuple[int, ...]:
-    """Return the idle frames of the training starts."""
-    own = tuple(evaluation_start(number).idle_frames for number in recipe.policy.own_starts)
-    return own or TRAINING_IDLE_FRAMES
+def training_starts(game: Game, recipe: Recipe) -> tuple[Start, ...]:
+    """Return the starts that training games begin from."""
+    own = tuple(game.starts.evaluation(number) for number in recipe.policy.own_starts)
+    return own or tuple(game.starts.training)
 
 
 def episode_metrics(
-    behaviour: Behaviour | None, n_steps: int, hits: Sequence[Hit], died: bool
+    behaviour: Behaviour | None, n_steps: int, taken: Sequence[Taken], died: bool
 ) -> dict[str, float]:
-    """Return the points of the curves for an episode; hits if the behaviour has target cells."""
+    """Return the points of the curves for an episode; targets if the behaviour has target cells."""
     values = {"episode_steps": float(n_steps), "death_rate": float(died)}
-    cells = tuple((hit.row, hit.column) for hit in hits)
+    cells = tuple(one.cell for one in taken)
     scored = score(behaviour, cells) if behaviour else None
     if scored is not None:
         values |= {"hits": float(scored.targets), "strays": float(scored.strays)}

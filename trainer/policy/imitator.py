@@ -26,7 +26,7 @@ from trainer.policy.imitation import (
     best_snapshot,
     episode_metrics,
     evaluate_snapshot,
-    training_idle_frames,
+    training_starts,
 )
 from trainer.policy.networks import Policy, ScreenPolicy, load_network, save_policy
 from trainer.policy.ppo import ImitationPPO, TrainingGenerators
@@ -35,7 +35,6 @@ from trainer.policy.vec_env import FinishedEpisode, TrilVecEnv
 from trainer.progress import Progress
 from tril.errors import Invalid
 from tril.files.artifact_store import write_whole
-from tril.play.episode import Ending
 from tril.play.vector.vector_game import DemonstrationLog, TrainingStarts, VectorGame
 from tril.ranking import best_ranked
 from tril.recording import Recording, replay
@@ -95,11 +94,12 @@ def train_imitator(
     # The discriminator's own model, not a copy, since it changes.
     model = discriminator.model if discriminator else task.model.on(device)
     games = VectorGame(
+        task.game,
         recipe.n_envs,
         _training_starts(task),
         n_processes=n_processes,
         n_parts=N_PARTS,
-        ending=Ending(task.recipe.ending),
+        end_rule=task.game.known_end_rule(task.recipe.ending),
         sticky_action_probability=recipe.sticky_action_probability,
         training_seed=task.training_seed,
     )
@@ -156,30 +156,30 @@ def _start_network(task: ImitationTask, imitator: ScreenPolicy) -> ScreenPolicy:
 
 
 def _training_starts(task: ImitationTask) -> TrainingStarts:
-    idle_frames = training_idle_frames(task.recipe)
+    starts = training_starts(task.game, task.recipe)
     share = task.recipe.policy.demonstration_share
     opening_share = task.recipe.policy.opening_share
-    if not share:
-        return TrainingStarts(idle_frames, opening_share=opening_share)
+    if not share or not task.game.saves_states:
+        return TrainingStarts(task.game, starts, opening_share=opening_share)
     best = best_ranked(task.tiers, task.recipe.policy.best_share)
-    ending = Ending(task.recipe.ending)
+    end_rule = task.game.known_end_rule(task.recipe.ending)
     logs = [
-        DemonstrationLog(recording.start, _actions_under(ending, recording))
+        DemonstrationLog(task.game, recording.start, _actions_under(end_rule, recording))
         for recording in (*(task.recordings[i] for i in best), *task.perfect)
         if recording.actions
     ]
-    return TrainingStarts(idle_frames, tuple(logs), share, opening_share)
+    return TrainingStarts(task.game, starts, tuple(logs), share, opening_share)
 
 
-def _actions_under(ending: Ending, recording: Recording) -> bytes:
-    """Return a recording's actions until a game under a rule for the player's death is over.
+def _actions_under(end_rule: str, recording: Recording) -> bytes:
+    """Return a recording's actions until a game under another end rule is over.
 
-    By the count of lives a game goes on for two seconds after the hit, in which nothing is left to
-    be learned where the hit ends it.
+    By the count of lives a game goes on for two seconds after the player's death, in which nothing
+    is left to be learned where the death itself ends it.
     """
-    if recording.ending is ending:
+    if recording.end_rule == end_rule:
         return recording.actions
-    return recording.until(replay(replace(recording, ending=ending)).n_frames).actions
+    return recording.until(replay(replace(recording, end_rule=end_rule)).n_frames).actions
 
 
 class _Reporter:
@@ -210,7 +210,7 @@ class _Reporter:
         if self._task.recipe.method != "gail":
             values["predicted_return"] = episode.predicted_return
         game = episode.game
-        values |= episode_metrics(self._task.behaviour, episode.n_steps, game.hits, episode.died)
+        values |= episode_metrics(self._task.behaviour, episode.n_steps, game.taken, episode.died)
         self.recent.append(values)
 
     def steps_per_s(self) -> float:
@@ -315,7 +315,9 @@ class _TrainingCallback(BaseCallback):
         policy, steps = self._ppo.policy, self._ppo.num_timesteps
         policy.set_training_mode(False)
         shaping, on_step = self._env.reward_shaping, self._reporter.on_step
-        found, games = evaluate_snapshot(Policy(policy), shaping, self._task.recipe, on_step)
+        found, games = evaluate_snapshot(
+            self._task.game, Policy(policy), shaping, self._task.recipe, on_step
+        )
         self.snapshots.append(SnapshotScore(steps, found))
         if best_snapshot(self.snapshots).steps == steps:
             save_policy(policy, self._folder / _BEST)

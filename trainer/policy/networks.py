@@ -11,7 +11,7 @@ from __future__ import annotations
 import io
 import json
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from pickle import UnpicklingError
@@ -35,11 +35,14 @@ from trainer.nn.screens import channels_last_screens
 from trainer.nn.seeding import torch_seeded
 from tril.errors import Invalid
 from tril.files.artifact_store import write_whole
-from tril.games.space_invaders.memory import Action
 from tril.play.observation import OBSERVATION_SHAPE, check_observations
 
 OBSERVATION_SPACE = spaces.Box(0, 255, OBSERVATION_SHAPE, np.uint8)
-ACTION_SPACE = spaces.Discrete(len(Action))
+
+
+def action_space(n_actions: int) -> spaces.Discrete[np.int64]:
+    """Return the space of a game's actions."""
+    return spaces.Discrete(n_actions)
 
 
 @dataclass(frozen=True)
@@ -115,15 +118,21 @@ class ScreenPolicy(ActorCriticCnnPolicy):
         return self.features_extractor(obs)  # type: ignore[no-any-return]
 
     def logits_and_values(self, observations: Tensor) -> tuple[Tensor, Tensor]:
-        """Return logits, float32 (N, 6), and values, float32 (N,), of uint8 observations."""
+        """Return logits, float32 (N, n_actions), and values, float32 (N,)."""
         return self.heads(self.extract_features(observations))
+
+    @property
+    def n_actions(self) -> int:
+        """Number of actions."""
+        assert isinstance(self.action_space, spaces.Discrete)
+        return int(self.action_space.n)
 
     def freeze_convolutions(self) -> None:
         """Let only the layers above the convolutions learn."""
         self.features_extractor.cnn.requires_grad_(False)
 
     def heads(self, features: Tensor) -> tuple[Tensor, Tensor]:
-        """Return logits, float32 (N, 6), and values, float32 (N,), of features."""
+        """Return logits, float32 (N, n_actions), and values, float32 (N,), of features."""
         with Precision.FLOAT32.autocast(features.device):
             return self.action_net(features), self.value_net(features).squeeze(1)
 
@@ -141,18 +150,22 @@ def policy_arguments(network: str) -> dict[str, Any]:
 
 
 def new_policy(
-    network: str, learning_rate: float, rng: np.random.Generator, device: torch.device = CPU
+    network: str,
+    n_actions: int,
+    learning_rate: float,
+    rng: np.random.Generator,
+    device: torch.device = CPU,
 ) -> ScreenPolicy:
     """Return a policy with stable-baselines3's orthogonal initialisation, drawn from ``rng``."""
     with torch_seeded(rng):
-        policy = _screen_policy(policy_arguments(network), learning_rate)
+        policy = _screen_policy(policy_arguments(network), n_actions, learning_rate)
     return channels_last(policy.to(device))
 
 
 def pretrained_policy(learning_rate: float, device: torch.device = CPU) -> ScreenPolicy:
     """Return the policy of size "small" that ships with Tril; see trainer.policy.pretraining."""
-    policy = _screen_policy(policy_arguments("small"), learning_rate)
     tensors, _ = load_tensors(PRETRAINED)
+    policy = _screen_policy(policy_arguments("small"), _n_actions(tensors), learning_rate)
     _load_shared(policy, tensors)
     return channels_last(policy.to(device))
 
@@ -176,8 +189,11 @@ def _load_shared(policy: ScreenPolicy, weights: Mapping[str, Tensor]) -> None:
     policy.load_state_dict({n: weights[_shared(n)].float() for n in policy.state_dict()})
 
 
-def _screen_policy(arguments: dict[str, Any], learning_rate: float = 0.0) -> ScreenPolicy:
-    return ScreenPolicy(OBSERVATION_SPACE, ACTION_SPACE, lambda _: learning_rate, **arguments)
+def _screen_policy(
+    arguments: dict[str, Any], n_actions: int, learning_rate: float = 0.0
+) -> ScreenPolicy:
+    actions = action_space(n_actions)
+    return ScreenPolicy(OBSERVATION_SPACE, actions, lambda _: learning_rate, **arguments)
 
 
 def channels_last(policy: ScreenPolicy) -> ScreenPolicy:
@@ -214,7 +230,7 @@ class Policy:
             ValueError: The observations have another shape or dtype.
         """
         check_observations(observations)
-        result = np.empty((len(observations), len(Action)), np.float32)
+        result = np.empty((len(observations), self._network.n_actions), np.float32)
         device = device_of(self._network)
         size = forward_batch(device)
         with torch.inference_mode():
@@ -244,7 +260,7 @@ def save_policy(policy: ScreenPolicy, path: Path) -> None:
         _init_setup_model=False,
     )
     plain.observation_space = OBSERVATION_SPACE
-    plain.action_space = ACTION_SPACE
+    plain.action_space = action_space(policy.n_actions)
     plain.n_envs = 1
     with torch.random.fork_rng(devices=[]):
         plain._setup_model()
@@ -258,12 +274,15 @@ def save_policy(policy: ScreenPolicy, path: Path) -> None:
     write_whole(path, content.getvalue())
 
 
-def save_weights(policy: ScreenPolicy, path: Path, *, half: bool = False) -> None:
+def save_weights(
+    policy: ScreenPolicy, path: Path, actions: Sequence[str], *, half: bool = False
+) -> None:
     """Save a policy's weights as safetensors, with what it takes to rebuild its network.
 
     Args:
         policy: The policy.
         path: The file, replaced as a whole.
+        actions: Names of the game's actions.
         half: Whether the weights are rounded to half precision; otherwise they are float32.
     """
     layers = [one for one in policy.features_extractor.modules() if isinstance(one, nn.Conv2d)]
@@ -271,7 +290,7 @@ def save_weights(policy: ScreenPolicy, path: Path, *, half: bool = False) -> Non
         "channels": [layer.out_channels for layer in layers],
         "features": policy.features_extractor.features_dim,
         "observation_shape": OBSERVATION_SHAPE,
-        "actions": [action.name for action in Action],
+        "actions": list(actions),
     }
     weights = _shared_weights(policy)
     save_tensors(
@@ -330,7 +349,7 @@ def _network_of_weights(path: Path) -> ScreenPolicy:
         size = NetworkSize(tuple(config["channels"]), config["features"])
         if size not in SIZES.values():
             raise Invalid(f"{path.name} is of a network of an unknown size.")
-        network = _sized(size)
+        network = _sized(size, _n_actions(weights))
         if extra := weights.keys() - _shared_weights(network).keys():
             raise Invalid(f"{path.name} has unknown weights: {', '.join(sorted(extra)[:4])}.")
         _load_shared(network, weights)
@@ -340,13 +359,17 @@ def _network_of_weights(path: Path) -> ScreenPolicy:
     return network
 
 
-def _sized(size: NetworkSize) -> ScreenPolicy:
+def _n_actions(weights: Mapping[str, Tensor]) -> int:
+    return len(weights["action_net.weight"])
+
+
+def _sized(size: NetworkSize, n_actions: int) -> ScreenPolicy:
     arguments = policy_arguments("nature")
     arguments["features_extractor_kwargs"] = {"size": size}
     # Its weights are replaced; to make them orthogonal would take most of the time of loading.
     arguments["ortho_init"] = False
     with torch.random.fork_rng(devices=[]):
-        return channels_last(_screen_policy(arguments))
+        return channels_last(_screen_policy(arguments, n_actions))
 
 
 def _network_of(weights: dict[str, Tensor]) -> ScreenPolicy:
@@ -358,5 +381,5 @@ def _network_of(weights: dict[str, Tensor]) -> ScreenPolicy:
             for layer, channels in zip((0, 2, 4), size.channels, strict=True)
         ]
         if size.features == features and not any(part.any() for part in rest):
-            return _sized(size)
+            return _sized(size, _n_actions(weights))
     raise Invalid("The policy's network has an unknown size.")

@@ -46,10 +46,8 @@ from trainer.policy.networks import (
 from trainer.progress import NullProgress
 from trainer.reward.model import RewardModel, new_network
 from tril.demonstrators.space_invaders.varied_play import play_varied
-from tril.games.atari.console import Console
-from tril.games.space_invaders.openings import evaluation_opening
-from tril.games.space_invaders.starts import EVALUATION_START_COUNT
-from tril.play.episode import DEATHS
+from tril.games.atari.starts import EVALUATION_START_COUNT
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.recipes import FAST, with_values
 from tril.recording import Recording
 
@@ -106,7 +104,7 @@ def learn_to_see(screens: Screens, seed: int) -> tuple[ScreenPolicy, dict[str, d
         The policy, whose heads are random, and the figures of ``learn_to_read``.
     """
     rng = np.random.default_rng(seed)
-    policy = new_policy(FAST.policy.network, 0.0, rng)
+    policy = new_policy(FAST.policy.network, SPACE_INVADERS.controls.n_actions, 0.0, rng)
     targets = [screens.memory(screens.varying()), screens.hits(), screens.shots()]
     n_flags = sum(one.flags.shape[1] for one in targets)
     with torch_seeded(rng):
@@ -138,6 +136,7 @@ def learn_to_survive(
     start, path = folder / "start.zip", folder / "survivor.zip"
     save_policy(policy, start)
     task = ImitationTask(
+        game=SPACE_INVADERS,
         model=NoReward.new(),
         recordings=games,
         tiers=[list(range(len(games)))],
@@ -153,9 +152,11 @@ def learn_to_survive(
 
 def death_rate(policy: ScreenPolicy) -> float:
     """Return the share of sticky games after the evaluation starts' openings that are lost."""
-    openings = [evaluation_opening(number) for number in range(EVALUATION_START_COUNT)]
-    games = play(Policy(policy), openings, "sticky")
-    return float(np.mean([game.end in DEATHS for game in games]))
+    openings = [
+        SPACE_INVADERS.starts.evaluation_opening(number) for number in range(EVALUATION_START_COUNT)
+    ]
+    games = play(SPACE_INVADERS, Policy(policy), openings, "sticky")
+    return float(np.mean([game.died for game in games]))
 
 
 def main() -> None:
@@ -170,7 +171,7 @@ def main() -> None:
     screens = play_games(arguments.games, arguments.seed, arguments.processes, look_ahead=True)
     policy, figures = learn_to_see(screens, arguments.seed)
     del screens
-    rng, console = np.random.default_rng([arguments.seed, 1]), Console()
+    rng, console = np.random.default_rng([arguments.seed, 1]), SPACE_INVADERS.make_console()
     games = [play_varied(rng, console).recording for _ in range(N_STARTING_GAMES)]
     with tempfile.TemporaryDirectory() as folder:
         policy = learn_to_survive(policy, games, arguments.steps, arguments.seed, Path(folder))

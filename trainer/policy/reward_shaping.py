@@ -8,7 +8,6 @@ import numpy as np
 import numpy.typing as npt
 
 from trainer.reward.model import RewardModel
-from tril.play.episode import DEATHS, EndReason
 from tril.recipes import PolicyRecipe
 
 Rewards = npt.NDArray[np.float32]
@@ -70,13 +69,13 @@ class RewardShaping:
             lost = lost + self.death_forfeit * died * self.model.level(before).clip(0.0)
         return np.asarray(self.scale * (shaped - lost), np.float32)
 
-    def shaped_return(self, rewards: Rewards, end: EndReason) -> float:
+    def shaped_return(self, rewards: Rewards, died: bool) -> float:
         """Return the sum of the shaped rewards of a whole game.
 
         Args:
             rewards: R of its states, float32 (T + 1,), from the start on.
-            end: Why it ended.
+            died: Whether the player died at its end.
         """
-        died = np.zeros(len(rewards) - 1, np.bool_)
-        died[-1:] = end in DEATHS
-        return float(self.shape(rewards[:-1], rewards[1:], died).sum(dtype=np.float64))
+        deaths = np.zeros(len(rewards) - 1, np.bool_)
+        deaths[-1:] = died
+        return float(self.shape(rewards[:-1], rewards[1:], deaths).sum(dtype=np.float64))

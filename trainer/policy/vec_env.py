@@ -11,9 +11,8 @@ import numpy.typing as npt
 from stable_baselines3.common.vec_env import VecEnv
 from stable_baselines3.common.vec_env.base_vec_env import VecEnvIndices, VecEnvObs, VecEnvStepReturn
 
-from trainer.policy.networks import ACTION_SPACE, OBSERVATION_SPACE
+from trainer.policy.networks import OBSERVATION_SPACE, action_space
 from trainer.policy.reward_shaping import Rewards, RewardShaping
-from tril.play.episode import DEATHS, EndReason
 from tril.play.vector.vector_game import FinishedGame, VectorGame, VectorSnapshot
 
 
@@ -41,7 +40,7 @@ class FinishedEpisode:
     @property
     def died(self) -> bool:
         """Whether the player was hit."""
-        return self.game.end in DEATHS
+        return self.game.died
 
 
 @dataclass(frozen=True)
@@ -62,7 +61,7 @@ class EpisodeEnd:
     @property
     def is_truncated(self) -> bool:
         """Whether the time was up."""
-        return self.game.end is EndReason.STEPS
+        return self.game.truncated
 
 
 class TrilVecEnv(VecEnv):
@@ -87,7 +86,9 @@ class TrilVecEnv(VecEnv):
         self._returns = np.zeros(games.n_games, np.float64)
         self._shaped_returns = np.zeros(games.n_games, np.float64)
         self._steps = np.zeros(games.n_games, np.int64)
-        super().__init__(games.n_games, OBSERVATION_SPACE, ACTION_SPACE)
+        super().__init__(
+            games.n_games, OBSERVATION_SPACE, action_space(games.game.controls.n_actions)
+        )
 
     def reset(self) -> VecEnvObs:
         """Begin all games and return their observations, uint8 (N, 4, 84, 84)."""
@@ -122,7 +123,7 @@ class TrilVecEnv(VecEnv):
             last = model.score(np.stack([one.last_observation for one in ends]))
             for end, score in zip(ends, last.tolist(), strict=True):
                 reached[end.step, end.game.game] = score
-                died[end.step, end.game.game] = end.game.end in DEATHS
+                died[end.step, end.game.game] = end.game.died
         rewards = self.reward_shaping.shape(before, reached, died)
         return rewards, self._finish_episodes(reached, rewards, ends)
 

@@ -35,8 +35,8 @@ from trainer.reward.model import predicted_return
 from trainer.reward.preference_dataset import PreferenceDataset
 from trainer.reward.reward_trainer import train_reward_model
 from tril.errors import Invalid
-from tril.games.space_invaders.starts import spread_starts
-from tril.play.env import points_of
+from tril.games.base import spread_starts
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.recipes import Recipe
 from tril.recording import trajectory
 
@@ -134,14 +134,14 @@ def spread(able: Sequence[int], worths: Sequence[float], count: int) -> list[int
 
 
 def _worth(quantity: Quantity, game: EvaluatedGame) -> int:
-    return points_of(game.hits) if quantity == "points" else game.shots
+    return int(game.score) if quantity == "points" else game.counters[quantity]
 
 
 def _play(
     quantity: Quantity, training_seed: int, progress: Progress, plan: SkillPlan
 ) -> list[tuple[int, EvaluatedGame]]:
     """Train a player and return the games of each checkpoint with its training steps."""
-    starts = spread_starts(plan.games)
+    starts = spread_starts(SPACE_INVADERS.starts.training, plan.games)
     games: list[tuple[int, EvaluatedGame]] = []
     total = plan.checkpoints[-1]
     env = VecNormalize(_environments(quantity, plan), norm_obs=False)
@@ -169,7 +169,8 @@ def _play(
             player.policy.set_training_mode(False)
             assert isinstance(player.policy, ScreenPolicy)
             policy = Policy(player.policy)
-            played = play(policy, starts, "sampled", sampling_seed=training_seed + number)
+            seed = training_seed + number
+            played = play(SPACE_INVADERS, policy, starts, "sampled", sampling_seed=seed)
             games += [(steps, game) for game in played]
     finally:
         env.close()
@@ -184,7 +185,9 @@ def _tell(progress: Progress, player: Any, total: int) -> bool:
 
 def _environments(quantity: Quantity, plan: SkillPlan) -> VecEnv:
     def make() -> gymnasium.Env[Any, Any]:
-        return gymnasium.make(tril.play.env.ENV_ID, reward=quantity)
+        return gymnasium.make(
+            tril.play.env.ENV_ID, reward="score" if quantity == "points" else quantity
+        )
 
     makers = [make] * plan.parallel_games
     return DummyVecEnv(makers) if plan.parallel_games == 1 else SubprocVecEnv(makers)

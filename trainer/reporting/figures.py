@@ -21,7 +21,8 @@ from PIL import Image, ImageDraw
 from trainer.reporting.ledger import Entry
 from trainer.reporting.skilled_games import QUANTITIES, Extrapolation, SkilledGame
 from tril.analysis.extrapolation import JudgedGames, Measure
-from tril.behaviours import Behaviour, Cell, score
+from tril.games.base import Cell
+from tril.games.behaviours import Behaviour, score
 from tril.games.space_invaders.memory import COLUMNS, ROWS
 
 # Not as a matplotlibrc of the current folder or of the home folder has it.

@@ -18,10 +18,11 @@ from pydantic import TypeAdapter
 from trainer.reporting.digests import recipe_digest
 from trainer.reporting.skilled_games import Experiment, Extrapolation, Rounded
 from tril.analysis.summary import GameFigures
-from tril.behaviours import Behaviour, Cell, score
 from tril.demonstrators import SCRIPTED
 from tril.errors import Invalid
 from tril.files.artifact_store import write_whole
+from tril.games.base import Cell
+from tril.games.behaviours import Behaviour, score
 from tril.recipes import Recipe
 
 FILE_NAME = "ledger.jsonl"

@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from trainer.reporting.digests import changed_recipe, recipe_digest
 from trainer.reporting.ledger import Entry, LedgerCell, LedgerGame
 from tril.analysis.summary import Interval, interquartile_interval, nested_interval, winner
-from tril.behaviours import BUILT_IN, Behaviour, Cell
+from tril.games.base import Cell
+from tril.games.behaviours import Behaviour
+from tril.games.space_invaders.behaviours import BUILT_IN
 from tril.recipes import RECIPES
 
 PLACES = {behaviour.slug: place for place, behaviour in enumerate(BUILT_IN)}

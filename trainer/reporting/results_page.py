@@ -25,9 +25,10 @@ from trainer.reporting.result_groups import (
 )
 from trainer.reporting.skilled_games import QUANTITIES, Experiment, tau_of
 from tril.analysis.outcome import AttentionState
-from tril.behaviours import BUILT_IN, score
 from tril.demonstrators import KINDS, SCRIPTED
 from tril.files.artifact_store import write_whole
+from tril.games.behaviours import score
+from tril.games.space_invaders.behaviours import BUILT_IN
 from tril.play.agent import STICKY_ACTION_PROBABILITY
 from tril.recipes import RECIPES, EvaluationRecipe
 from tril.store.training.evaluations import POLICIES

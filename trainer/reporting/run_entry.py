@@ -15,13 +15,14 @@ from trainer.reporting.ledger import (
     LedgerGame,
 )
 from tril.analysis.outcome import ImitatorOutcome, RunOutcome
-from tril.behaviours import Cell
 from tril.demonstrators import kind_named
 from tril.errors import Invalid
+from tril.games.base import Cell
 from tril.recipes import RECIPES, changed_values, recipe_from_dict
 from tril.store import behaviours, recordings
 from tril.store.database import Database
 from tril.store.models import RecordingRow, RunRow, RunStatus
+from tril.store.recordings import cells_of
 from tril.store.training import evaluations, runs
 
 
@@ -111,4 +112,4 @@ def describe_example(outcome: RunOutcome) -> str:
 
 def cells(row: RecordingRow) -> tuple[Cell, ...]:
     """Return the aliens hit in a recording, in order of time."""
-    return tuple((r, c) for r, c, _ in row.hits)
+    return cells_of(row)

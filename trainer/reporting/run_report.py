@@ -22,8 +22,8 @@ from trainer.reporting.rendering import render
 from trainer.reporting.result_groups import Duel, ResultGroup
 from trainer.reporting.run_entry import cells, describe_example, entry_of
 from tril.analysis.outcome import AttentionState
-from tril.behaviours import score
 from tril.files.artifact_store import ArtifactStore, write_whole
+from tril.games.behaviours import score
 from tril.play.agent import STICKY_ACTION_PROBABILITY
 from tril.recipes import recipe_from_dict
 from tril.store import behaviours, recordings

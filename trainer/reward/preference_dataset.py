@@ -13,7 +13,7 @@ from torch import Tensor
 from trainer.reward.fragments import preference_pairs
 from trainer.reward.model import RewardModel
 from trainer.reward.pretraining import read_features
-from tril.play.episode import Hit
+from tril.games.base import Taken
 from tril.ranking import Pair
 from tril.recipes import RewardRecipe
 from tril.recording import Trajectory
@@ -29,7 +29,7 @@ class ObservedTrajectory:
     """
 
     observations: npt.NDArray[np.uint8]
-    hits: tuple[Hit, ...] = ()
+    taken: tuple[Taken, ...] = ()
 
     @cached_property
     def features(self) -> Tensor:
@@ -146,4 +146,4 @@ class PreferenceDataset:
 
 
 def _observed(trajectory: Trajectory) -> ObservedTrajectory:
-    return ObservedTrajectory(trajectory.observations, hits=trajectory.hits)
+    return ObservedTrajectory(trajectory.observations, taken=trajectory.taken)

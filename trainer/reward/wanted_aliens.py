@@ -82,7 +82,7 @@ class WantedAliensTrainer:
 
 
 def _hits_of(observed: ObservedTrajectory) -> Hits:
-    hits = ((hit.row, hit.column, hit.frame) for hit in observed.hits)
+    hits = ((hit.row, hit.column, hit.frame) for hit in observed.taken)
     return Hits.of(hits, (len(observed.observations) - 1) * FRAMES_PER_STEP)
 
 

@@ -20,7 +20,6 @@ from trainer.progress import Progress
 from trainer.reward.model import RewardModel
 from tril.errors import Invalid
 from tril.files.artifact_store import ArtifactStore
-from tril.games.space_invaders.memory import Action
 from tril.inference.messages import OBSERVATION_BYTES
 from tril.play.observation import OBSERVATION_SHAPE, Observation, Observations
 from tril.store.database import Database
@@ -145,13 +144,16 @@ class Answers:
     ) -> npt.NDArray[np.float32]:
         if not isinstance(policies, list) or len(policies) != len(observations):
             raise Invalid(f"Expected 'policies' to name one for each of {len(observations)}.")
-        result = np.empty((len(observations), len(Action)), np.float32)
+        result: npt.NDArray[np.float32] | None = None
         for kind in sorted(set(map(str, policies))):
             if kind not in POLICIES:
                 raise Invalid(f"There is no policy {kind!r}; choose {' or '.join(POLICIES)}.")
             own = [index for index, name in enumerate(policies) if name == kind]
-            result[own] = self._policy(run_id, kind).probabilities(observations[own])
-        return result
+            found = self._policy(run_id, kind).probabilities(observations[own])
+            if result is None:
+                result = np.empty((len(observations), found.shape[1]), np.float32)
+            result[own] = found
+        return np.empty((0, 0), np.float32) if result is None else result
 
     def _policy(self, run_id: str, kind: str) -> Policy:
         if (run_id, kind) not in self._policies:

@@ -17,8 +17,10 @@ from sqlalchemy.orm import Session
 from trainer.nn.devices import learning_device
 from trainer.progress import RunCancelled
 from tril.analysis.outcome import RunOutcome
-from tril.behaviours import Behaviour
 from tril.files.artifact_store import ArtifactStore
+from tril.games import game_named
+from tril.games.base import Game
+from tril.games.behaviours import Behaviour
 from tril.jobs import RunEta
 from tril.recipes import Recipe
 from tril.settings import Settings
@@ -80,6 +82,11 @@ class RunContext:
     def run_id(self) -> str:
         """Id of the run."""
         return self.lease.run_id
+
+    @cached_property
+    def game(self) -> Game:
+        """The game that is played."""
+        return game_named(self.behaviour.game)
 
     @cached_property
     def device(self) -> torch.device:

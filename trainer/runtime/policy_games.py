@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 
 from trainer.policy.evaluation import EvaluatedGame
 from trainer.runtime.context import RunContext
-from tril.games.atari.console import Console
+from tril.games.base import Console
 from tril.recording import Verified, verify
 from tril.store import recordings
 from tril.store.models import RecordingRow, Source

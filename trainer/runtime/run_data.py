@@ -14,7 +14,7 @@ from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceD
 from trainer.runtime.context import RunContext
 from tril.analysis.outcome import RunSnapshot
 from tril.errors import Invalid
-from tril.games.atari.console import Console
+from tril.games.base import Console
 from tril.recording import Recording, RecordingRefused, Trajectory, trajectory
 from tril.store import recordings
 from tril.store.training import artifacts
@@ -102,7 +102,7 @@ class RunData:
         found = self.recordings(ids)
         for count, (number, recording) in enumerate(found.items(), start=1):
             if number not in self._trajectories:
-                console = console or Console()
+                console = console or recording.game.make_console()
                 try:
                     self._trajectories[number] = trajectory(recording, console)
                 except RecordingRefused as refusal:

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from tril.behaviours import Behaviour
 from tril.demonstrators.error_model import PERFECT, ErrorModel
 from tril.demonstrators.judging import PlannedGame
 from tril.demonstrators.kinds import SCRIPTED, ExampleKind
@@ -34,8 +33,11 @@ from tril.demonstrators.space_invaders.player import (
     draw_style,
 )
 from tril.errors import Unavailable
-from tril.games.atari.console import Console
-from tril.play.episode import TRAINING_IDLE_FRAMES, Episode, Start
+from tril.games.atari.starts import TRAINING_IDLE_FRAMES, AtariStart
+from tril.games.base import Console, Start
+from tril.games.behaviours import Behaviour
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.play.episode import Episode
 from tril.recording import Recorder, Recording, Replay
 
 N_PERFECT = 12
@@ -72,7 +74,7 @@ class Demonstration:
     @property
     def shown(self) -> PlannedGame:
         """Its outcome, for ranking."""
-        hits = tuple((hit.row, hit.column) for hit in self.replay.hits)
+        hits = tuple(one.cell for one in self.replay.taken)
         return PlannedGame(self.plan.number, hits, self.replay.end)
 
     @property
@@ -136,7 +138,7 @@ def demonstrate(
     Raises:
         DemonstrationFailed: The game doesn't show the plan.
     """
-    recorder = Recorder(Episode(console or Console(), start))
+    recorder = Recorder(Episode(console or SPACE_INVADERS.make_console(), start))
     wanted = draw_hits(plan, rng)
     style = style or draw_style(rng)
     if error_model == PERFECT:
@@ -238,7 +240,7 @@ def _execute(task: DemonstrationTask) -> Demonstration:
     reason = ""
     n_attempts = MAX_ATTEMPTS if task.error_model == PERFECT else MAX_HUMAN_ATTEMPTS
     for attempt in range(n_attempts):
-        start = Start(task.idle_frames[attempt % len(task.idle_frames)])
+        start = AtariStart(task.idle_frames[attempt % len(task.idle_frames)])
         style = draw_brisk_style(rng) if task.perfect else draw_style(rng)
         try:
             return demonstrate(
@@ -264,4 +266,4 @@ def _console() -> Console:
     """This process's console for demonstrations."""
     # An emulator alive at interpreter exit is reported as leaked.
     atexit.register(_console.cache_clear)
-    return Console()
+    return SPACE_INVADERS.make_console()

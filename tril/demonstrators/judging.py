@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from tril.behaviours import Behaviour, Cell, score
 from tril.demonstrators.error_model import PERFECT
 from tril.demonstrators.kinds import ExampleKind
 from tril.errors import Invalid
-from tril.play.episode import EndReason
+from tril.games.base import Cell
+from tril.games.behaviours import Behaviour, score
+from tril.games.space_invaders.ends import EndReason
 from tril.ranking import Pair, Ranking, agreement, contradictions, normalise
 
 _MISTAKES_STREAM = 3
@@ -31,7 +32,7 @@ class PlannedGame:
 
     plan_number: int
     hits: tuple[Cell, ...]
-    end: EndReason | None
+    end: str | None
 
 
 @dataclass(frozen=True)
@@ -115,7 +116,7 @@ def swap_neighbours(ranking: Ranking, n_pairs: int, rng: np.random.Generator) ->
     return normalise(tiers)
 
 
-def merit(behaviour: Behaviour, hits: tuple[Cell, ...], end: EndReason | None) -> tuple[int, int]:
+def merit(behaviour: Behaviour, hits: tuple[Cell, ...], end: str | None) -> tuple[int, int]:
     """Return what a game is worth, to be compared: its hits, then whether it was survived.
 
     Args:
@@ -125,4 +126,4 @@ def merit(behaviour: Behaviour, hits: tuple[Cell, ...], end: EndReason | None) -
     """
     found = score(behaviour, hits)
     assert found is not None, "only behaviours with target cells have an example"
-    return found.worth, int(end is not EndReason.HIT)
+    return found.worth, int(end != EndReason.HIT)

@@ -8,7 +8,6 @@ from enum import StrEnum
 
 import numpy as np
 
-from tril.behaviours import Behaviour
 from tril.demonstrators.error_model import HUMAN, PERFECT, ErrorModel, person
 from tril.demonstrators.space_invaders.plans import (
     N_DEMONSTRATIONS,
@@ -16,6 +15,7 @@ from tril.demonstrators.space_invaders.plans import (
     example_plans,
 )
 from tril.errors import Invalid
+from tril.games.behaviours import Behaviour
 
 
 class PlanCategory(StrEnum):

@@ -10,7 +10,6 @@ from typing import Any
 
 from sqlalchemy.orm import Session
 
-from tril.behaviours import Cell
 from tril.exchange.formats.behaviour_file import (
     BEHAVIOUR_FORMAT,
     BEHAVIOUR_VERSION,
@@ -20,10 +19,9 @@ from tril.exchange.formats.behaviour_file import (
     RevisionObject,
     parse_behaviour,
 )
-from tril.exchange.formats.recording_file import ImportedRecording, load_recording
+from tril.exchange.formats.recording_file import Consoles, ImportedRecording, load_recording
 from tril.exchange.recording_transfer import dump_row
-from tril.games.atari.console import Console
-from tril.games.space_invaders.memory import GAME
+from tril.games.base import Cell
 from tril.recording import RecordingRefused
 from tril.store import audit, behaviours, borrowed, players, rankings, recordings
 from tril.store.database import Database
@@ -83,7 +81,7 @@ def export_behaviour(session: Session, behaviour: BehaviourRow) -> tuple[dict[st
     return {
         "format": BEHAVIOUR_FORMAT,
         "version": BEHAVIOUR_VERSION,
-        "game": GAME,
+        "game": about.game,
         "slug": about.slug,
         "name": about.name,
         "description": about.description,
@@ -194,12 +192,12 @@ def _target(given: BehaviourObject) -> tuple[Cell, ...] | None:
 
 
 def _replayed(given: BehaviourObject) -> dict[int, ImportedRecording]:
-    console = Console()
+    consoles: Consoles = {}
     replayed: dict[int, ImportedRecording] = {}
     for numbered in given.recordings:
         try:
             content = numbered.recording.model_dump(mode="json", exclude_none=True)
-            replayed[numbered.number] = load_recording(content, console)
+            replayed[numbered.number] = load_recording(content, consoles)
         except RecordingRefused as refusal:
             raise BehaviourRefused(
                 f"Nothing was imported. Recording {numbered.number} was refused: {refusal}"

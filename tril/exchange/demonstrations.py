@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from tril.behaviours import BUILT_IN
 from tril.demonstrators import N_PERFECT, Demonstration, make_example
 from tril.exchange.formats.recording_file import dump_recording
+from tril.games.space_invaders.behaviours import BUILT_IN
 
 
 def demonstration_object(demonstration: Demonstration, tier: int | None = None) -> dict[str, Any]:
@@ -21,7 +21,7 @@ def demonstration_object(demonstration: Demonstration, tier: int | None = None) 
     """
     return dump_recording(
         demonstration.recording,
-        hits=demonstration.replay.hits,
+        taken=demonstration.replay.taken,
         end=demonstration.replay.end,
         tier=None if demonstration.perfect else tier or demonstration.plan.number,
         perfect=demonstration.perfect,

@@ -17,8 +17,7 @@ from tril.exchange.formats.recording_file import (
     load_recording,
     ranking_of,
 )
-from tril.games.atari.console import Console
-from tril.play.episode import EndReason, Start
+from tril.games.base import Start
 from tril.recording import Recording
 from tril.store import audit, library, rankings, recordings
 from tril.store.database import Database
@@ -94,9 +93,7 @@ def import_recordings(
     if rank and perfect:
         raise Invalid("Choose either ranking the recordings or marking all of them as perfect.")
     outcome = RecordingImportResult()
-    accepted = _read(
-        file, outcome, max_recordings, load or partial(load_recording, console=Console())
-    )
+    accepted = _read(file, outcome, max_recordings, load or partial(load_recording, consoles={}))
     if not accepted:
         outcome.n_notices = len(outcome.notices)
         return outcome
@@ -138,9 +135,9 @@ def import_recordings(
     return outcome
 
 
-def _identity(recording: Recording) -> tuple[Start, bytes, str]:
+def _identity(recording: Recording) -> tuple[str, Start, bytes, str]:
     """Return what determines a game: the emulator plays it the same way again."""
-    return recording.start, recording.actions, recording.rom_md5
+    return recording.game.name, recording.start, recording.actions, recording.version
 
 
 def export_recording(session: Session, row: RecordingRow) -> dict[str, Any]:
@@ -173,7 +170,7 @@ def _read(
     max_recordings: int,
     load: Callable[[object], ImportedRecording],
 ) -> list[tuple[int, ImportedRecording]]:
-    accepted: dict[tuple[Start, bytes, str], tuple[int, ImportedRecording]] = {}
+    accepted: dict[tuple[str, Start, bytes, str], tuple[int, ImportedRecording]] = {}
     refusals = outcome.refusals
     for line in read_lines(file, max_objects=max_recordings):
         try:
@@ -225,8 +222,8 @@ def dump_row(row: RecordingRow, tier: int | None = None) -> dict[str, Any]:
     """Return a recording in the exchange format."""
     return dump_recording(
         recordings.as_recording(row),
-        hits=recordings.hits_of(row),
-        end=None if row.end is None else EndReason(row.end),
+        taken=recordings.taken_of(row),
+        end=row.end,
         tier=tier,
         perfect=row.perfect,
         source=Source(row.source).value,

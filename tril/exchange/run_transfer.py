@@ -19,9 +19,8 @@ from tril.analysis.outcome import (
     RunOutcome,
     RunSnapshot,
 )
-from tril.behaviours import Behaviour, score
 from tril.demonstrators import kind_named
-from tril.exchange.formats.recording_file import load_recording
+from tril.exchange.formats.recording_file import Consoles, load_recording
 from tril.exchange.formats.recording_object import RecordingObject
 from tril.exchange.formats.run_file import (
     RUN_FORMAT,
@@ -35,8 +34,9 @@ from tril.exchange.formats.run_file import (
 )
 from tril.exchange.run_archive import NETWORKS, PICTURES, RunArchive, picture_name
 from tril.files.artifact_store import ArtifactStore
-from tril.games.atari.console import Console
-from tril.play.episode import Ending, EndReason, Hit, Start
+from tril.games import game_named
+from tril.games.base import Taken
+from tril.games.behaviours import Behaviour, score
 from tril.recipes import checked, recipe_from_dict
 from tril.recording import Recording, RecordingRefused, Replay
 from tril.stages import Stage
@@ -187,8 +187,8 @@ def _points(session: Session, run_id: str) -> list[CurvePoint]:
 def _played(row: RecordingRow) -> dict[str, Any]:
     return {
         "number": row.id,
-        "shots": row.shots,
-        "hit_frames": [frame for *_, frame in row.hits],
+        "shots": row.counters.get("shots", 0),
+        "hit_frames": [frame for *_, frame in row.taken],
         "played_at": row.created_at,
     }
 
@@ -320,26 +320,26 @@ def recorded(archive: RunArchive) -> dict[int, tuple[Recording, Replay]]:
     for game, given in (*archive.demonstrations, *archive.games):
         actions = base64.b64decode(given.actions)
         hashes = tuple(given.ram_hashes or ())
-        start = Start(given.start.idle_frames, given.start.mode, given.start.difficulty)
-        ending = Ending(given.ending or Ending.HIT)
-        hits = tuple(
-            Hit(row, column, frame)
+        of = game_named(given.game)
+        start = of.starts.parse(given.start.values())
+        taken = tuple(
+            Taken(row, column, frame)
             for (row, column), frame in zip(given.hits or (), game.hit_frames, strict=True)
         )
-        end = None if given.end is None else EndReason(given.end)
+        end = None if given.end is None else of.end(given.end).name
         found[game.number] = (
-            Recording(start, actions, hashes, given.rom_md5, ending),
-            Replay(hits, end, len(actions), game.shots, hashes),
+            Recording(of, start, actions, hashes, given.rom_md5, given.ending or ""),
+            Replay(taken, end, len(actions), {"shots": game.shots}, 0.0, hashes),
         )
     return found
 
 
 def _replayed(archive: RunArchive) -> dict[int, tuple[Recording, Replay]]:
-    console = Console()
+    consoles: Consoles = {}
     found = {}
     for game, given in (*archive.demonstrations, *archive.games):
         try:
-            one = load_recording(given.model_dump(mode="json", exclude_none=True), console)
+            one = load_recording(given.model_dump(mode="json", exclude_none=True), consoles)
         except RecordingRefused as refusal:
             raise RunRefused(
                 f"Nothing was imported. Recording {game.number} was refused: {refusal}"
@@ -451,7 +451,7 @@ def _add_results(
             game.held_out,
             game.predicted_return,
             game.final_level,
-            score(taught, tuple((hit.row, hit.column) for hit in played.hits)),
+            score(taught, tuple(one.cell for one in played.taken)),
         )
     points = [(str(one.stage), one.step, one.values) for one in archive.run.curves]
     metrics.add_curves(session, run_id, points)

@@ -1,1 +1,76 @@
-"""The games that can be taught, one package each; nothing else knows what is in a game."""
+"""The games that can be taught, one module or package each; nothing else knows what is in a game.
+
+Another package brings games of its own by entry points of the group "tril.games": each names a Game
+or a GameFamily.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+from importlib import import_module
+from importlib.metadata import entry_points
+
+from tril.errors import NotFound
+from tril.games.base import Game, GameFamily
+from tril.games.behaviours import Behaviour
+
+DEFAULT_GAME = "space_invaders"
+GROUP = "tril.games"
+
+_GAMES: Mapping[str, str] = {DEFAULT_GAME: "tril.games.space_invaders:SPACE_INVADERS"}
+"""Games with a module of their own, imported when they are asked for."""
+
+_FAMILIES: Sequence[str] = ()
+
+
+class UnknownGame(NotFound):
+    """There is no game of this name here."""
+
+
+@cache
+def game_named(name: str) -> Game:
+    """Return a game.
+
+    Raises:
+        UnknownGame: There is none of this name, or what brings it is not installed.
+        Invalid: It cannot be taught; says why.
+    """
+    if name in _GAMES:
+        game = _load(_GAMES[name])
+        if not isinstance(game, Game):
+            raise TypeError(f"{_GAMES[name]} is not a Game.")
+        return game
+    for source in _sources():
+        if isinstance(source, Game):
+            if source.name == name:
+                return source
+        elif (game_of_family := source.game(name)) is not None:
+            return game_of_family
+    raise UnknownGame(f"There is no game {name!r} here. `tril games list` names those there are.")
+
+
+def game_names() -> list[str]:
+    """Return the names of all games, those with a module first."""
+    names = dict.fromkeys(_GAMES)
+    for source in _sources():
+        names.update(dict.fromkeys([source.name] if isinstance(source, Game) else source.names()))
+    return list(names)
+
+
+def ready_made() -> list[Behaviour]:
+    """Return the behaviours that come with games that have a module of their own."""
+    return [behaviour for name in _GAMES for behaviour in game_named(name).behaviours]
+
+
+@cache
+def _sources() -> tuple[Game | GameFamily, ...]:
+    """Return the families, and what other packages bring."""
+    families = [_load(reference) for reference in _FAMILIES]
+    return (*families, *(entry.load() for entry in entry_points(group=GROUP)))
+
+
+def _load(reference: str) -> Game | GameFamily:
+    module, _, attribute = reference.partition(":")
+    loaded: Game | GameFamily = getattr(import_module(module), attribute)
+    return loaded

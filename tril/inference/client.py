@@ -13,7 +13,6 @@ import numpy as np
 import numpy.typing as npt
 
 from tril.errors import Invalid
-from tril.games.space_invaders.memory import Action
 from tril.inference.endpoint import Endpoint
 from tril.inference.messages import (
     MAX_OBSERVATIONS,
@@ -74,7 +73,7 @@ class AttentionMap:
     """
 
     values: Values
-    action: Action | None
+    action: int | None
 
     @classmethod
     def of(cls, header: Mapping[str, Any], values: bytes | bytearray) -> AttentionMap:
@@ -82,7 +81,7 @@ class AttentionMap:
         action = header.get("action")
         return cls(
             np.frombuffer(values, np.float32).reshape(SIZE, SIZE),
-            None if action is None else Action(action),
+            None if action is None else int(action),
         )
 
 

@@ -1,14 +1,12 @@
-"""A game stepped by an agent: one action for four frames per observation."""
+"""A game stepped by an agent: one action for all frames of a step."""
 
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from tril.games.atari.console import Console
-from tril.games.space_invaders import memory as game
-from tril.games.space_invaders.openings import Opening, start_of
-from tril.play.episode import Ending, EndReason, Episode, EpisodeState, Hit, Start
+from tril.games.base import Console, Opening, Start, Taken, start_of
+from tril.play.episode import Episode, EpisodeState
 from tril.play.observation import AgentView, AgentViewState, Observation
 
 STICKY_ACTION_PROBABILITY = 0.25
@@ -21,7 +19,7 @@ def sample_actions(
     """Return the action at a quantile of each distribution, int64 (N,).
 
     Args:
-        probabilities: of each action, float32 (N, 6).
+        probabilities: of each action, float32 (N, n_actions).
         quantiles: float64 (N,), 0 to 1; drawn uniformly, they sample the actions.
     """
     cumulative = probabilities.astype(np.float64).cumsum(1)
@@ -72,8 +70,8 @@ class AgentGame:
     def __init__(
         self,
         console: Console,
-        ending: Ending = Ending.HIT,
-        max_frames: int = game.MAX_FRAMES,
+        end_rule: str | None = None,
+        max_frames: int | None = None,
         sticky: StickyActions | None = None,
         view: AgentView | None = None,
     ) -> None:
@@ -81,17 +79,18 @@ class AgentGame:
 
         Args:
             console: the console to play on.
-            ending: which rule for the player's death ends an episode.
-            max_frames: maximum length of an episode.
+            end_rule: name of the rule by which a loss ends an episode; None for the default.
+            max_frames: maximum length of an episode; None for the game's.
             sticky: sticky actions, None for none.
             view: the view if it is one of AgentViews; None makes one.
         """
         self.console = console
-        self.ending = ending
+        self.end_rule = end_rule
         self.max_frames = max_frames
         self.sticky = sticky
         self._episode: Episode | None = None
-        self._view = AgentView() if view is None else view
+        self._view = AgentView(console.game) if view is None else view
+        self._frames_per_step = console.game.clock.frames_per_step
 
     @property
     def episode(self) -> Episode:
@@ -106,19 +105,19 @@ class AgentGame:
 
     def reset(self, start: Start) -> None:
         """Begin a game."""
-        self._episode = Episode(self.console, start, self.ending, self.max_frames)
+        self._episode = Episode(self.console, start, self.end_rule, self.max_frames)
         self._view.reset(self.console)
 
     def begin(self, beginning: Start | Opening) -> int:
         """Begin a game and play its opening, if it has one; return the number of steps played.
 
-        An opening that the cannon does not survive is left out.
+        An opening that is not survived is left out.
         """
         self.reset(start_of(beginning))
         if not isinstance(beginning, Opening):
             return 0
         for action in beginning.actions:
-            for _ in range(game.FRAMES_PER_STEP):
+            for _ in range(self._frames_per_step):
                 self.advance(action)
                 if self.end is not None:
                     self.reset(beginning.start)
@@ -126,14 +125,14 @@ class AgentGame:
         return len(beginning.actions)
 
     def step(self, action: int) -> None:
-        """Execute the action for four frames, or until the episode ends.
+        """Execute the action for a step's frames, or until the episode ends.
 
         Raises:
             EpisodeEnded: the episode is over.
             ValueError: there is no such action.
         """
         episode, sticky = self.episode, self.sticky
-        for _ in range(game.FRAMES_PER_STEP):
+        for _ in range(self._frames_per_step):
             executed = action if sticky is None else sticky.executed(action, episode.last_action)
             self._advance(episode, executed)
             if episode.end is not None:
@@ -166,25 +165,27 @@ class AgentGame:
     @property
     def steps(self) -> int:
         """Steps executed since the start, including one cut short by the end."""
-        return -(-self.episode.frame // game.FRAMES_PER_STEP)
+        return self.console.game.clock.n_steps(self.episode.frame)
 
     @property
-    def end(self) -> EndReason | None:
-        """Why the episode ended, None while it goes on."""
+    def end(self) -> str | None:
+        """Name of the end, None while the episode goes on."""
         return self.episode.end
 
     @property
-    def hits(self) -> tuple[Hit, ...]:
-        """The aliens shot so far, in order of time."""
-        return self.episode.hits
+    def taken(self) -> tuple[Taken, ...]:
+        """The items taken so far, in order of time."""
+        return self.episode.taken
 
     def save(self) -> AgentGameState:
         """Return the state of the game between two steps."""
         return AgentGameState(self.episode.save(), self._view.save())
 
     def restore(self, state: AgentGameState) -> None:
-        """Restore a saved state; ending, maximum length and sticky actions do not change."""
+        """Restore a saved state; end rule, maximum length and sticky actions do not change."""
         if self._episode is None:
-            self._episode = Episode(self.console, state.episode.start, self.ending, self.max_frames)
+            self._episode = Episode(
+                self.console, state.episode.start, self.end_rule, self.max_frames
+            )
         self._episode.restore(state.episode)
         self._view.restore(state.view)

@@ -1,111 +1,29 @@
 """An episode: one game on a console from its start to its end."""
 
-from dataclasses import dataclass
-from enum import StrEnum
+from __future__ import annotations
 
-import numpy as np
-import numpy.typing as npt
+from dataclasses import dataclass
+from typing import Any
 
 from tril.errors import Conflict
-from tril.games.atari.console import Console, ConsoleState
-from tril.games.space_invaders import memory as game
-from tril.games.space_invaders.grid import (
-    AlienGrid,
-    AlienGridState,
-    Formation,
-    cleared,
-    in_play,
-    landed,
-    missile_in_air,
-    player_hit,
-)
-from tril.games.space_invaders.starts import (
-    EVALUATION_START_COUNT,
-    EVALUATION_STARTS,
-    TRAINING_IDLE_FRAMES,
-    Start,
-    UnknownStart,
-    draw_start,
-    evaluation_number,
-    evaluation_start,
-)
-
-__all__ = [
-    "DEATHS",
-    "EVALUATION_STARTS",
-    "EVALUATION_START_COUNT",
-    "TRAINING_IDLE_FRAMES",
-    "EndReason",
-    "Ending",
-    "Episode",
-    "EpisodeEnded",
-    "EpisodeState",
-    "Hit",
-    "Start",
-    "UnknownStart",
-    "draw_start",
-    "evaluation_number",
-    "evaluation_start",
-]
+from tril.games.base import Console, ConsoleState, Game, Readout, Start, Taken
 
 
 class EpisodeEnded(Conflict):
     """The episode is over."""
 
 
-class Ending(StrEnum):
-    """When the player's death ends an episode.
-
-    HIT: at the frame of the hit. LIFE_COUNTER: when the emulator's count of lives drops, 128 to 131
-    frames later, as in the published work.
-    """
-
-    HIT = "hit"
-    LIFE_COUNTER = "life_counter"
-
-
-class EndReason(StrEnum):
-    """Why an episode ended; the first in this order if several apply."""
-
-    HIT = "hit"
-    LIVES = "lives"
-    LANDED = "landed"
-    CLEARED = "cleared"
-    STEPS = "steps"
-
-
-DEATHS = frozenset({EndReason.HIT, EndReason.LIVES})
-"""The ends that the player's death brings, by either rule."""
-
-
-@dataclass(frozen=True)
-class Hit:
-    """An alien that was shot.
-
-    Attributes:
-        row: from 0 at the bottom.
-        column: from 0 at the left.
-        frame: number of frames of the episode executed by then, at least 1.
-    """
-
-    row: int
-    column: int
-    frame: int
-
-
 @dataclass(frozen=True)
 class EpisodeState:
-    """A saved episode; the attributes are those of Episode."""
+    """A saved episode; the attributes are those of Episode and its readout."""
 
     console: ConsoleState
     start: Start
     actions: bytes
-    hits: tuple[Hit, ...]
-    end: EndReason | None
-    shots: int
-    lives: int
-    missile_in_air: bool
-    aliens: AlienGridState
+    taken: tuple[Taken, ...]
+    end: str | None
+    counters: dict[str, int]
+    readout: dict[str, Any]
 
 
 class Episode:
@@ -113,40 +31,45 @@ class Episode:
 
     Attributes:
         console: the console that the game runs on.
+        game: the game.
         start: how the game began.
-        ending: which rule for the player's death ends it.
+        end_rule: name of the rule by which a loss ends it.
         max_frames: maximum length.
-        end: why it ended, None while it goes on.
-        shots: missiles that left the cannon.
+        end: name of the end, None while it goes on.
+        readout: what is read of it.
     """
 
     def __init__(
         self,
         console: Console,
         start: Start,
-        ending: Ending = Ending.HIT,
-        max_frames: int = game.MAX_FRAMES,
+        end_rule: str | None = None,
+        max_frames: int | None = None,
     ) -> None:
         """Start the console and begin the episode.
 
+        Args:
+            console: the console to play on.
+            start: how the game begins.
+            end_rule: name of the rule by which a loss ends it; None for the game's default.
+            max_frames: maximum length; None for the game's.
+
         Raises:
             ValueError: max_frames is not positive.
+            Invalid: there is no such end rule.
         """
-        if max_frames < 1:
-            raise ValueError(f"Expected at least 1 frame, got {max_frames}.")
         self.console = console
+        self.game: Game = console.game
         self.start = start
-        self.ending = ending
-        self.max_frames = max_frames
-        self.end: EndReason | None = None
-        self.shots = 0
+        self.end_rule = self.game.check_end_rule(end_rule or self.game.end_rule)
+        self.max_frames = self.game.clock.max_frames if max_frames is None else max_frames
+        if self.max_frames < 1:
+            raise ValueError(f"Expected at least 1 frame, got {max_frames}.")
+        self.end: str | None = None
         console.start(start)
-        ram = console.ram_bytes()
+        self.readout: Readout = self.game.new_readout(console, self.end_rule)
         self._actions = bytearray()
-        self._hits: list[Hit] = []
-        self._lives = console.lives
-        self._missile_in_air = missile_in_air(ram)
-        self._grid = AlienGrid(ram)
+        self._n_actions = self.game.controls.n_actions
 
     @property
     def frame(self) -> int:
@@ -160,28 +83,28 @@ class Episode:
 
     @property
     def last_action(self) -> int:
-        """The last executed action, NOOP at the start."""
-        return self._actions[-1] if self._actions else game.Action.NOOP
+        """The last executed action, the neutral one at the start."""
+        return self._actions[-1] if self._actions else self.game.controls.noop
 
     @property
-    def hits(self) -> tuple[Hit, ...]:
-        """The aliens shot so far, in order of time."""
-        return tuple(self._hits)
+    def taken(self) -> tuple[Taken, ...]:
+        """The items taken so far, in order of time."""
+        return tuple(self.readout.taken)
 
     @property
-    def aliens(self) -> npt.NDArray[np.bool_]:
-        """The remaining aliens, bool (6, 6): row from the bottom, column from the left."""
-        return self._grid.alive
+    def counters(self) -> dict[str, int]:
+        """Counts since the start, by name."""
+        return dict(self.readout.counters)
 
     @property
-    def shifts(self) -> int:
-        """The absolute column of bit 0 of the RAM's alien rows."""
-        return self._grid.shifts
+    def score(self) -> float:
+        """Rewards of the game itself since the start; never seen by learning."""
+        return self.console.score
 
     @property
-    def formation(self) -> Formation:
-        """The position of the grid on the screen: for pictures, never for learning."""
-        return self._grid.formation(self.console.ram_bytes())
+    def died(self) -> bool:
+        """Whether it ended with the player's death."""
+        return self.game.is_death(self.end)
 
     def advance(self, action: int) -> None:
         """Run one frame with this action.
@@ -192,56 +115,36 @@ class Episode:
         """
         if self.end is not None:
             raise EpisodeEnded(f"The episode ended at frame {self.frame}: {self.end}.")
-        if not 0 <= action < game.ACTION_COUNT:
-            raise ValueError(f"Expected an action from 0 to {game.ACTION_COUNT - 1}, got {action}.")
+        if not 0 <= action < self._n_actions:
+            raise ValueError(f"Expected an action from 0 to {self._n_actions - 1}, got {action}.")
         self.console.act(action)
         self._actions.append(action)
-        ram = self.console.ram_bytes()
-        for row, column in self._grid.update(ram):
-            self._hits.append(Hit(row, column, self.frame))
-        in_air = missile_in_air(ram)
-        if in_air is not self._missile_in_air:
-            self.shots += in_air
-            self._missile_in_air = in_air
-        if not in_play(ram) or len(self._actions) >= self.max_frames:
-            self.end = self._end_reason(ram)
-
-    def _end_reason(self, ram: bytes) -> EndReason | None:
-        if self.ending is Ending.HIT and player_hit(ram):
-            return EndReason.HIT
-        if self.ending is Ending.LIFE_COUNTER and self.console.lives < self._lives:
-            # Landing takes all lives at once.
-            return EndReason.LANDED if landed(ram) else EndReason.LIVES
-        if landed(ram):
-            return EndReason.LANDED
-        if cleared(ram):
-            return EndReason.CLEARED
-        if self.frame >= self.max_frames:
-            return EndReason.STEPS
-        return None
+        self.end = self.readout.update(self.console, len(self._actions))
+        if self.end is None and len(self._actions) >= self.max_frames:
+            self.end = self.game.time_end
 
     def save(self) -> EpisodeState:
-        """Return the state of the episode and its console."""
+        """Return the state of the episode and its console.
+
+        Raises:
+            Invalid: the game does not save states.
+        """
         return EpisodeState(
             console=self.console.save(),
             start=self.start,
             actions=self.actions,
-            hits=self.hits,
+            taken=self.taken,
             end=self.end,
-            shots=self.shots,
-            lives=self._lives,
-            missile_in_air=self._missile_in_air,
-            aliens=self._grid.save(),
+            counters=self.counters,
+            readout=self.readout.save(),
         )
 
     def restore(self, state: EpisodeState) -> None:
-        """Restore the state of this or another episode; ending and max_frames do not change."""
+        """Restore the state of this or another episode; end rule and max_frames do not change."""
         self.console.restore(state.console)
         self.start = state.start
         self._actions = bytearray(state.actions)
-        self._hits = list(state.hits)
         self.end = state.end
-        self.shots = state.shots
-        self._lives = state.lives
-        self._missile_in_air = state.missile_in_air
-        self._grid.restore(state.aliens)
+        self.readout.taken = list(state.taken)
+        self.readout.counters = dict(state.counters)
+        self.readout.restore(state.readout)

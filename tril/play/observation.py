@@ -7,14 +7,13 @@ by cv2.INTER_AREA, with the score's rows zeroed. Values are uint8 from 0 to 255.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Protocol
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
-from tril.games.atari.console import Console, Screen
-from tril.games.atari.palette import palette_grayscale
-from tril.games.space_invaders import memory as game
+from tril.games.base import Console, Game, Screen, ScreenSpec
 
 SIZE = 84
 STACK = 4
@@ -26,15 +25,14 @@ Observation = npt.NDArray[np.uint8]
 Observations = npt.NDArray[np.uint8]
 """uint8 (N, 4, 84, 84), in any memory order."""
 
-# A tile of the screen, 5 rows x 40 columns, maps to a tile of the observation, 2 rows x 21 columns,
-# since their borders coincide (210 / 84 = 5 / 2 and 160 / 84 = 40 / 21). Tiles can therefore be
-# resized independently, and only those that changed. The score's rows have none.
+# A tile of a screen of 210 x 160, 5 rows x 40 columns, maps to a tile of the observation, 2 rows x
+# 21 columns, since their borders coincide (210 / 84 = 5 / 2 and 160 / 84 = 40 / 21). Tiles can
+# therefore be resized independently, and only those that changed.
+_TILED_SHAPE = (210, 160)
 _TILE_ROWS, _TILE_COLUMNS = 5, 40
 _REDUCED_ROWS, _REDUCED_COLUMNS = 2, 21
-_SCORE_ROWS = game.SCORE_ROWS // _REDUCED_ROWS * _TILE_ROWS
 # Frames are compared and gathered eight pixels at a time.
 _WORD = np.dtype(np.uint64)
-_SCORE_WORDS = _SCORE_ROWS * game.SCREEN_SHAPE[1] // _WORD.itemsize
 
 Indices = npt.NDArray[np.intp]
 
@@ -52,43 +50,42 @@ def check_observations(observations: Observations) -> None:
         )
 
 
-def _tiles_of(shape: tuple[int, int], tile_shape: tuple[int, int], first_row: int) -> Indices:
-    """Return flat indices of an array's items from first_row on by tile, (tiles, items)."""
+def _tiles_of(shape: tuple[int, int], tile_shape: tuple[int, int]) -> Indices:
+    """Return flat indices of an array's items by tile, (tiles, items)."""
     rows, columns = tile_shape
-    indices = np.arange(shape[0] * shape[1]).reshape(shape)[first_row:]
+    indices = np.arange(shape[0] * shape[1]).reshape(shape)
     tiles = indices.reshape(-1, rows, shape[1] // columns, columns).transpose(0, 2, 1, 3)
     return tiles.reshape(-1, rows * columns)
 
 
 _TILE_WORDS = _tiles_of(
-    (game.SCREEN_SHAPE[0], game.SCREEN_SHAPE[1] // _WORD.itemsize),
+    (_TILED_SHAPE[0], _TILED_SHAPE[1] // _WORD.itemsize),
     (_TILE_ROWS, _TILE_COLUMNS // _WORD.itemsize),
-    _SCORE_ROWS,
 )
-_TILE_PIXELS = _tiles_of((SIZE, SIZE), (_REDUCED_ROWS, _REDUCED_COLUMNS), game.SCORE_ROWS)
-_TILES = len(_TILE_WORDS)
-_TILE_OF_WORD = np.empty(_TILE_WORDS.size, np.intp)
-_TILE_OF_WORD[_TILE_WORDS - _SCORE_WORDS] = np.arange(_TILES)[:, None]
-
-
-_FRAME_WORDS = game.SCREEN_SHAPE[0] * game.SCREEN_SHAPE[1] // _WORD.itemsize
-_BOTH_FRAMES_WORDS = np.concatenate((_TILE_WORDS, _TILE_WORDS + _FRAME_WORDS), axis=1)
+_TILE_PIXELS = _tiles_of((SIZE, SIZE), (_REDUCED_ROWS, _REDUCED_COLUMNS))
+_FRAME_WORDS = _TILED_SHAPE[0] * _TILED_SHAPE[1] // _WORD.itemsize
 
 _STACK_PIXELS = STACK * SIZE * SIZE
 _NEWEST = (STACK - 1) * SIZE * SIZE
 
 
-def preprocess(first: Screen, second: Screen) -> npt.NDArray[np.uint8]:
-    """Return the screen of a step, uint8 (84, 84), from its last two frames.
+def visible_pixels(screen: ScreenSpec) -> npt.NDArray[np.bool_]:
+    """Return which pixels of an observation learning sees, bool (84, 84).
 
-    Args:
-        first: the second-to-last frame, uint8 (210, 160) grayscale.
-        second: the last frame, uint8 (210, 160) grayscale.
+    A pixel is hidden if any part of its area on the screen is.
     """
-    reduced = np.zeros(SIZE * SIZE, np.uint8)
-    frames = np.stack((first, second)).reshape(-1).view(_WORD)
-    reduced[_TILE_PIXELS] = _reduce(frames.take(_BOTH_FRAMES_WORDS).view(np.uint8))
-    return reduced.reshape(SIZE, SIZE)
+    visible = np.ones((SIZE, SIZE), np.bool_)
+    for area in screen.hidden:
+        rows = slice(area.top * SIZE // screen.height, -(-area.bottom * SIZE // screen.height))
+        columns = slice(area.left * SIZE // screen.width, -(-area.right * SIZE // screen.width))
+        visible[rows, columns] = False
+    return visible
+
+
+def _gray(frame: Screen, screen: ScreenSpec) -> npt.NDArray[np.uint8]:
+    if screen.grayscale is None:
+        return np.asarray(cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), np.uint8)
+    return np.asarray(cv2.LUT(frame, screen.grayscale), np.uint8)
 
 
 def _reduce(tiles: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
@@ -113,51 +110,151 @@ class AgentViewState:
 
     Attributes:
         observation: 4 x 84 x 84 bytes.
-        first: palette values of the step's third frame, 210 x 160 bytes, if that was the last
-            frame, else None.
+        first: the step's second-to-last frame, if that was the last frame, else None.
     """
 
     observation: bytes
     first: bytes | None
 
 
-class AgentViews:
+class AgentViews(Protocol):
     """Observations of several games, updated frame by frame.
 
-    Only tiles that differ from the previous step are resized, which equals `preprocess` in a third
-    of the time. This happens lazily and for all games at once, so step all games before reading an
-    observation.
+    They are made lazily and for all games at once, so step all games before reading one.
 
     Attributes:
         stacks: the observations as of the last flush, uint8 (n, 4, 84, 84).
-        frames: the last two frames in palette values, uint8 (n, 2, 210, 160).
+        frames: the last two frames, uint8 (n, 2, ...) as the console yields them.
+        game: the game that they are of.
     """
 
-    def __init__(self, n_games: int, stacks: Observation | None = None) -> None:
-        """Allocate the views; call reset on each.
+    stacks: Observation
+    frames: npt.NDArray[np.uint8]
+    game: Game
 
-        Args:
-            n_games: number of games.
-            stacks: memory for the observations, uint8 (n, 4, 84, 84); None allocates it.
-        """
-        shape = (n_games, *OBSERVATION_SHAPE)
-        self.stacks = np.zeros(shape, np.uint8) if stacks is None else stacks
+    def __iter__(self) -> Iterator["AgentView"]:
+        """Yield the views of the single games."""
+
+    def push(self, index: int) -> None:
+        """Mark a game's frames as the last two of a step."""
+
+    def reset(self, index: int) -> None:
+        """Mark a game's frames as those of its start."""
+
+    def invalidate(self, index: int) -> None:
+        """Discard the previous step of a game."""
+
+    def set_output(self, stacks: Observation) -> None:
+        """Switch to other memory for the observations; the old keeps the current ones."""
+
+    def flush_game(self, index: int) -> None:
+        """Flush if this game has a pending step."""
+
+    def flush(self) -> None:
+        """Push the screens of all pending steps onto their stacks."""
+
+
+def agent_views(game: Game, n_games: int = 1, stacks: Observation | None = None) -> AgentViews:
+    """Return the views of n games; call reset on each.
+
+    Args:
+        game: The game.
+        n_games: Number of games.
+        stacks: Memory for the observations, uint8 (n, 4, 84, 84); None allocates it.
+    """
+    if stacks is None:
+        stacks = np.zeros((n_games, *OBSERVATION_SHAPE), np.uint8)
+    tiled = game.screen.shape == _TILED_SHAPE and game.clock.frames_per_step > 1
+    return _TiledViews(game, stacks) if tiled else _WholeViews(game, stacks)
+
+
+class _WholeViews:
+    """Views of games whose screens do not fall into tiles: every step's screen is resized whole."""
+
+    def __init__(self, game: Game, stacks: Observation) -> None:
+        self.game = game
+        self.stacks = stacks
+        self.frames = np.zeros((len(stacks), 2, *game.screen.shape), np.uint8)
+        self._visible = visible_pixels(game.screen)
+        self._pending = np.zeros(len(stacks), np.bool_)
+        self._at_start = np.zeros(len(stacks), np.bool_)
+
+    def __iter__(self) -> Iterator["AgentView"]:
+        return (AgentView(self.game, self, index) for index in range(len(self.stacks)))
+
+    def push(self, index: int) -> None:
+        self._pending[index] = True
+
+    def reset(self, index: int) -> None:
+        self._pending[index] = self._at_start[index] = True
+
+    def invalidate(self, index: int) -> None:
+        self._pending[index] = self._at_start[index] = False
+
+    def set_output(self, stacks: Observation) -> None:
+        self.flush()
+        stacks[:] = self.stacks
+        self.stacks = stacks
+
+    def flush_game(self, index: int) -> None:
+        if self._pending[index]:
+            self.flush()
+
+    def flush(self) -> None:
+        for index in self._pending.nonzero()[0]:
+            first, second = self.frames[index]
+            brightest = np.maximum(_gray(first, self.game.screen), _gray(second, self.game.screen))
+            stack = self.stacks[index]
+            stack[:-1] = stack[1:]
+            reduced = cv2.resize(brightest, (SIZE, SIZE), interpolation=cv2.INTER_AREA)
+            np.multiply(reduced, self._visible, out=stack[-1])
+            if self._at_start[index]:
+                stack[:-1] = stack[-1]
+        self._pending[:] = self._at_start[:] = False
+
+
+class _TiledViews:
+    """Views of games whose screens fall into tiles, of which only those that changed are resized.
+
+    A tile is compared with the previous step's. This equals resizing the whole in a third of the
+    time.
+    """
+
+    def __init__(self, game: Game, stacks: Observation) -> None:
+        if game.screen.grayscale is None:
+            raise ValueError("Expected a screen of palette values, got RGB.")
+        n_games = len(stacks)
+        self.game = game
+        self.stacks = stacks
         self._stacks_before = self.stacks
-        self.frames = np.zeros((n_games, 2, *game.SCREEN_SHAPE), np.uint8)
+        self.frames = np.zeros((n_games, 2, *_TILED_SHAPE), np.uint8)
         self._words = self.frames.reshape(-1).view(_WORD)
-        # Both frames below the score; of the previous step, its second frame and where its two
-        # frames differed.
-        below = self._words.reshape(n_games, 2, -1)[:, :, _SCORE_WORDS:]
+        # Rows of tiles at the top that are hidden, the score of most games, have no tiles at all.
+        visible = visible_pixels(game.screen)
+        shown_rows = np.flatnonzero(visible.reshape(-1, _REDUCED_ROWS * SIZE).max(1))
+        hidden_rows = int(shown_rows[0]) if len(shown_rows) else SIZE // _REDUCED_ROWS - 1
+        tiles = slice(hidden_rows * (SIZE // _REDUCED_COLUMNS), None)
+        tile_words, pixels = _TILE_WORDS[tiles], _TILE_PIXELS[tiles]
+        self._n_tiles = len(tile_words)
+        skipped = hidden_rows * _TILE_ROWS * _TILED_SHAPE[1] // _WORD.itemsize
+        tile_of_word = np.empty(tile_words.size, np.intp)
+        tile_of_word[tile_words - skipped] = np.arange(self._n_tiles)[:, None]
+        # What is hidden elsewhere is zeroed after resizing.
+        masks = visible.reshape(-1)[pixels].astype(np.uint8)
+        self._masks = None if masks.all() else masks
+        # Both frames below the hidden rows; of the previous step, its second frame and where its
+        # two frames differed.
+        below = self._words.reshape(n_games, 2, -1)[:, :, skipped:]
         self._first, self._second = below[:, 0], below[:, 1]
         self._second_before = np.zeros_like(self._second)
         self._differed_before = np.zeros(self._second.shape, np.bool_)
         games = np.arange(n_games)[:, None, None]
-        self._tile_of_word = (_TILE_OF_WORD + games[:, 0] * _TILES).reshape(-1)
-        tile_words = _BOTH_FRAMES_WORDS + games * 2 * _FRAME_WORDS
-        self._tile_words = tile_words.reshape(-1, _BOTH_FRAMES_WORDS.shape[1])
-        tile_pixels = _TILE_PIXELS + games * _STACK_PIXELS + _NEWEST
-        self._tile_pixels = tile_pixels.reshape(-1, _TILE_PIXELS.shape[1])
-        self._grays = palette_grayscale()
+        self._tile_of_word = (tile_of_word + games[:, 0] * self._n_tiles).reshape(-1)
+        both = np.concatenate((tile_words, tile_words + _FRAME_WORDS), axis=1)
+        self._tile_words = (both + games * 2 * _FRAME_WORDS).reshape(-1, both.shape[1])
+        tile_pixels = pixels + games * _STACK_PIXELS + _NEWEST
+        self._tile_pixels = tile_pixels.reshape(-1, pixels.shape[1])
+        self._grays = game.screen.grayscale
         # Which games have a complete step to push, whose previous step is unknown, and which are
         # at their start.
         self._to_push = np.zeros(n_games, np.bool_)
@@ -168,7 +265,7 @@ class AgentViews:
 
     def __iter__(self) -> Iterator["AgentView"]:
         """Yield the views of the single games."""
-        return (AgentView(self, index) for index in range(len(self.stacks)))
+        return (AgentView(self.game, self, index) for index in range(len(self.stacks)))
 
     def push(self, index: int) -> None:
         """Mark a game's frames as the last two of a step."""
@@ -209,7 +306,10 @@ class AgentViews:
             changed = self._words.take(self._tile_words.take(tiles, axis=0))
             grays = cv2.LUT(changed.view(np.uint8), self._grays)
             pixels = self._tile_pixels.take(tiles, axis=0)
-            stacks.reshape(-1)[pixels] = _reduce(np.asarray(grays, np.uint8))
+            reduced = _reduce(np.asarray(grays, np.uint8))
+            if self._masks is not None:
+                reduced *= self._masks[tiles % self._n_tiles]
+            stacks.reshape(-1)[pixels] = reduced
         if self._any_unknown:
             starts = self._at_start
             stacks[starts, :-1] = stacks[starts, -1:]
@@ -233,7 +333,7 @@ class AgentViews:
         return stacks
 
     def _changed_tiles(self, pushed: slice | Indices) -> Indices:
-        """Return the indices of the tiles to resize, _TILES per game.
+        """Return the indices of the tiles to resize, counted through all games.
 
         A tile is unchanged if the second frame equals that of the previous step and, in both steps,
         the first frame equals the second.
@@ -245,27 +345,30 @@ class AgentViews:
         unequal |= self._differed_before[pushed]
         self._second_before[pushed] = second
         self._differed_before[pushed] = differ
-        changed = np.zeros((len(second), _TILES), np.bool_)
+        changed = np.zeros((len(second), self._n_tiles), np.bool_)
         changed.reshape(-1)[self._tile_of_word.take(unequal.reshape(-1).nonzero()[0])] = True
         if self._any_unknown:
             changed[self._unknown[pushed]] = True
         games, tiles = changed.nonzero()
         if not isinstance(pushed, slice):
             games = pushed[games]
-        return np.asarray(games * _TILES + tiles, np.intp)
+        return np.asarray(games * self._n_tiles + tiles, np.intp)
 
 
 class AgentView:
     """The observation of one game, updated frame by frame."""
 
-    def __init__(self, views: AgentViews | None = None, index: int = 0) -> None:
+    def __init__(self, game: Game, views: AgentViews | None = None, index: int = 0) -> None:
         """Make a view; call reset.
 
         Args:
+            game: the game that it is of.
             views: the views that it belongs to; None makes its own.
             index: its index among them.
         """
-        self._views = AgentViews(1) if views is None else views
+        self._game = game
+        self._frames_per_step = game.clock.frames_per_step
+        self._views = agent_views(game) if views is None else views
         self._index = index
         self._first, self._second = self._views.frames[index]
         self._has_first = False
@@ -277,7 +380,7 @@ class AgentView:
 
     def reset(self, console: Console) -> None:
         """Begin a game: fill the stack with the start's screen."""
-        console.screen_palette(self._first)
+        console.screen(self._first)
         self._second[:] = self._first
         self._has_first = False
         self._views.reset(self._index)
@@ -289,15 +392,19 @@ class AgentView:
             console: the console that ran the frame.
             frame: number of frames executed since the start, at least 1.
         """
-        frame_of_step = frame % game.FRAMES_PER_STEP
-        if frame_of_step == game.FRAMES_PER_STEP - 1:
-            self._views.flush_game(self._index)
-            console.screen_palette(self._first)
-            self._has_first = True
-        elif frame_of_step == 0:
-            console.screen_palette(self._second)
+        frame_of_step = frame % self._frames_per_step
+        if frame_of_step == 0:
+            if self._frames_per_step == 1:
+                self._views.flush_game(self._index)
+            console.screen(self._second)
+            if self._frames_per_step == 1:
+                self._first[:] = self._second
             self._has_first = False
             self._views.push(self._index)
+        elif frame_of_step == self._frames_per_step - 1:
+            self._views.flush_game(self._index)
+            console.screen(self._first)
+            self._has_first = True
 
     def finish_step(self, console: Console, frame: int) -> None:
         """Complete the step in which an episode ended, so that the observation shows its end.
@@ -308,8 +415,8 @@ class AgentView:
             console: the console, ahead of the episode afterwards.
             frame: the episode's last frame.
         """
-        while frame % game.FRAMES_PER_STEP:
-            console.act(game.Action.NOOP)
+        while frame % self._frames_per_step:
+            console.act(self._game.controls.noop)
             frame += 1
             self.update(console, frame)
 
@@ -332,5 +439,5 @@ class AgentView:
         self._stack[:] = np.frombuffer(state.observation, np.uint8).reshape(OBSERVATION_SHAPE)
         self._has_first = state.first is not None
         if state.first is not None:
-            self._first[:] = np.frombuffer(state.first, np.uint8).reshape(game.SCREEN_SHAPE)
+            self._first[:] = np.frombuffer(state.first, np.uint8).reshape(self._first.shape)
         self._views.invalidate(self._index)

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from tril.games.space_invaders.starts import EVALUATION_START_COUNT
+from tril.games.atari.starts import EVALUATION_START_COUNT
 
 MAX_DAGGER_STEPS = 60_000
 """DAgger keeps every observation that it has seen, 28 kB each, and twice while it learns."""

@@ -10,8 +10,10 @@ from dataclasses import dataclass, replace
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from tril.behaviours import BUILT_IN, Behaviour, Cell
 from tril.errors import Conflict, NameTaken, NotFound
+from tril.games import DEFAULT_GAME, game_named, ready_made
+from tril.games.base import Cell
+from tril.games.behaviours import Behaviour
 from tril.store import audit
 from tril.store.changes import note_change
 from tril.store.models import (
@@ -55,7 +57,7 @@ class Counts:
 def as_behaviour(row: BehaviourRow) -> Behaviour:
     """Return the behaviour that a row holds."""
     target = None if row.target is None else tuple((r, c) for r, c in row.target)
-    return Behaviour(row.slug, row.name, row.description, target, row.ordered)
+    return Behaviour(row.slug, row.name, row.description, row.game, target, row.ordered)
 
 
 def get(session: Session, behaviour_id: int) -> BehaviourRow:
@@ -134,6 +136,7 @@ def create(
     description: str = "",
     target: tuple[Cell, ...] | None = None,
     ordered: bool = False,
+    game: str = DEFAULT_GAME,
 ) -> BehaviourRow:
     """Add a person's own behaviour.
 
@@ -149,7 +152,8 @@ def create(
     if (n or 0) >= MAX_BEHAVIOURS:
         raise Conflict(f"There are {n} behaviours already; delete some first.")
     name = clean_line(name, MAX_NAME_LENGTH)
-    behaviour = Behaviour(_free_slug(session, name), name, description, target, ordered)
+    behaviour = Behaviour(_free_slug(session, name), name, description, game, target, ordered)
+    game_named(game).check_target(behaviour)
     _refuse_taken_name(session, behaviour.name)
     return _add(session, behaviour, built_in=False)
 
@@ -171,7 +175,8 @@ def update(
         Conflict: The target would change although the behaviour is built-in or has recordings or
             runs, which were ranked and judged by it.
     """
-    changed = Behaviour(row.slug, clean_line(name), description, target, ordered)
+    changed = Behaviour(row.slug, clean_line(name), description, row.game, target, ordered)
+    game_named(row.game).check_target(changed)
     before = as_behaviour(row)
     if changed.name != before.name:
         _refuse_taken_name(session, changed.name, besides=row.id)
@@ -247,7 +252,7 @@ def free_name(session: Session, name: str) -> str:
 def seed_built_in(session: Session) -> None:
     """Add the built-in behaviours that are missing."""
     known = set(session.scalars(select(BehaviourRow.slug)))
-    for behaviour in BUILT_IN:
+    for behaviour in ready_made():
         if behaviour.slug not in known:
             _add(session, behaviour, built_in=True)
 
@@ -260,6 +265,7 @@ def _add(session: Session, behaviour: Behaviour, built_in: bool) -> BehaviourRow
         target=_target_json(behaviour),
         ordered=behaviour.ordered,
         built_in=built_in,
+        game=behaviour.game,
     )
     session.add(row)
     session.flush()

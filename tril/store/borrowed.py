@@ -16,7 +16,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from tril.errors import Conflict, NotFound
-from tril.games.space_invaders.memory import MAX_FRAMES
+from tril.games import game_named
 from tril.recording import Verified
 from tril.store import behaviours, rankings, recordings
 from tril.store.changes import note_change
@@ -152,11 +152,15 @@ def _why_not_lent(session: Session, behaviour_id: int, row: RecordingRow) -> str
         return "is in the behaviour's library, so that it can be ranked already"
     if session.get_one(BehaviourRow, row.behaviour_id).deleted_at is not None:
         return "is of a deleted behaviour"
+    if row.game != session.get_one(BehaviourRow, behaviour_id).game:
+        return "is of another game"
     return rankings.why_unrankable(row)
 
 
 def _borrowable(session: Session, behaviour_id: int) -> dict[int, Traits]:
     """Return the behaviour, source and class of length of what other libraries could lend."""
+    game = game_named(session.get_one(BehaviourRow, behaviour_id).game)
+    max_frames = game.clock.max_frames
     query = (
         select(
             RecordingRow.id, RecordingRow.behaviour_id, RecordingRow.source, RecordingRow.n_frames
@@ -164,6 +168,7 @@ def _borrowable(session: Session, behaviour_id: int) -> dict[int, Traits]:
         .join(BehaviourRow, BehaviourRow.id == RecordingRow.behaviour_id)
         .where(
             RecordingRow.behaviour_id != behaviour_id,
+            RecordingRow.game == game.name,
             RecordingRow.run_id.is_(None),
             RecordingRow.id.not_in(rankings.borrowed_ids(behaviour_id)),
             *rankings.RANKABLE,
@@ -171,6 +176,6 @@ def _borrowable(session: Session, behaviour_id: int) -> dict[int, Traits]:
         )
     )
     return {
-        key: (of, source, min(N_LENGTHS - 1, N_LENGTHS * n_frames // MAX_FRAMES))
+        key: (of, source, min(N_LENGTHS - 1, N_LENGTHS * n_frames // max_frames))
         for key, of, source, n_frames in session.execute(query.order_by(RecordingRow.id))
     }

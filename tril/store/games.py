@@ -15,12 +15,13 @@ from sqlalchemy import Select, bindparam, func, select, update
 from sqlalchemy.orm import Session, joinedload
 
 from tril.errors import Conflict, Invalid, NotFound
-from tril.games.space_invaders.memory import rom_md5
-from tril.play.episode import Start
+from tril.games import game_named
+from tril.games.base import Start
 from tril.recording import Recording, Replay, Verified
 from tril.store.changes import note_change
 from tril.store.database import database_now
 from tril.store.models import (
+    BehaviourRow,
     GameRow,
     RecordingRow,
     RecordingState,
@@ -75,7 +76,8 @@ class Progress:
 
 def create(session: Session, behaviour_id: int, start: Start, player_id: int | None) -> GameRow:
     """Begin a game without an owner, and its recording."""
-    return _create(session, _playing(behaviour_id, start, player_id))
+    game = game_named(session.get_one(BehaviourRow, behaviour_id).game)
+    return _create(session, _playing(behaviour_id, Recording(game, start, b""), player_id))
 
 
 def create_from(
@@ -111,11 +113,11 @@ def create_from(
             f"Recording {parent.id} can be continued from frames 0 to {last}, got {frame}."
         )
     until = as_recording(parent).until(frame)
-    row = _playing(parent.behaviour_id, until.start, player_id)
+    row = _playing(parent.behaviour_id, until, player_id)
     row.parent_id, row.parent_frame = parent.id, frame
     row.actions, row.n_frames = until.actions, until.n_frames
-    row.ram_hashes = list(until.ram_hashes)
-    row.hits = [hit for hit in parent.hits if hit[2] <= frame]
+    row.hashes = list(until.hashes)
+    row.taken = [taken for taken in parent.taken if taken[2] <= frame]
     row.conditions = conditions or {}
     return _create(session, row)
 
@@ -143,7 +145,7 @@ def create_taken_over(
     """
     if begun.replay.end is not None:
         raise Conflict("This game is over, so nobody can play on.")
-    row = _playing(behaviour_id, begun.recording.start, player_id)
+    row = _playing(behaviour_id, begun.recording, player_id)
     fill(row, begun.recording, begun.replay)
     # Without a parent: nothing was played yet that an abandoned game would be kept for.
     row.parent_frame = begun.recording.n_frames
@@ -151,16 +153,16 @@ def create_taken_over(
     return _create(session, row)
 
 
-def _playing(behaviour_id: int, start: Start, player_id: int | None) -> RecordingRow:
+def _playing(behaviour_id: int, begun: Recording, player_id: int | None) -> RecordingRow:
     return RecordingRow(
         behaviour_id=behaviour_id,
         player_id=player_id,
         source=Source.PERSON,
         state=RecordingState.PLAYING,
-        rom_md5=rom_md5(),
-        idle_frames=start.idle_frames,
-        mode=start.mode,
-        difficulty=start.difficulty,
+        game=begun.game.name,
+        game_version=begun.version,
+        start=begun.start.to_json(),
+        end_rule=begun.end_rule,
     )
 
 

@@ -13,7 +13,7 @@ from typing import Any
 from sqlalchemy import ColumnElement, select
 from sqlalchemy.orm import Session
 
-from tril.play.episode import Start
+from tril.games.base import Start
 from tril.recording import Recording
 from tril.store import rankings
 from tril.store.changes import LIBRARY_CHANGED, newest_change, oldest_change
@@ -35,8 +35,9 @@ _COLUMNS = (
     RecordingRow.verification,
     RecordingRow.n_frames,
     RecordingRow.end,
-    RecordingRow.hits,
-    RecordingRow.shots,
+    RecordingRow.taken,
+    RecordingRow.counters,
+    RecordingRow.score,
     RecordingRow.perfect,
     RecordingRow.deleted_at,
 )
@@ -137,25 +138,29 @@ def shown(
 
 def same_games(
     session: Session, behaviour_id: int, played: Collection[Recording]
-) -> dict[tuple[Start, bytes, str], int]:
-    """Return the recordings of a library that may be among others, by start, actions and ROM."""
+) -> dict[tuple[str, Start, bytes, str], int]:
+    """Return the recordings of a library that may be among others, by what determines a game.
+
+    That is the name of the game, the start, the actions and the game's version.
+    """
     lengths = {recording.n_frames for recording in played}
+    starts_of = {recording.game.name: recording.game.starts for recording in played}
     query = select(
         RecordingRow.id,
-        RecordingRow.idle_frames,
-        RecordingRow.mode,
-        RecordingRow.difficulty,
+        RecordingRow.game,
+        RecordingRow.start,
         RecordingRow.actions,
-        RecordingRow.rom_md5,
+        RecordingRow.game_version,
     ).where(
         RecordingRow.behaviour_id == behaviour_id,
         RecordingRow.state.in_((RecordingState.KEPT, RecordingState.UNFINISHED)),
         RecordingRow.run_id.is_(None),
         RecordingRow.deleted_at.is_(None),
+        RecordingRow.game.in_(starts_of),
         RecordingRow.n_frames.in_(lengths),
     )
     return {
-        (Start(row.idle_frames, row.mode, row.difficulty), row.actions, row.rom_md5): row.id
+        (row.game, starts_of[row.game].parse(row.start), row.actions, row.game_version): row.id
         for row in session.execute(query)
     }
 

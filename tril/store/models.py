@@ -262,15 +262,16 @@ class BehaviourRow(Base):
     target: Mapped[list[list[int]] | None] = mapped_column(JSON(none_as_null=True))
     ordered: Mapped[bool] = mapped_column(Boolean, default=False)
     built_in: Mapped[bool] = mapped_column(Boolean, default=False)
+    game: Mapped[str] = mapped_column(String(160), server_default="space_invaders")
     created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
     deleted_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
 
 
 class RecordingRow(Base):
-    """One played episode: its start, its ending rule and the action executed at every frame.
+    """One played episode: its game, start, end rule and the action executed at every frame.
 
-    ``hits`` is a list of [row, column, frame] in order of time; ``ram_hashes`` one digest after
-    every 60th frame; ``n_frames`` the number of actions. Deletion only sets ``deleted_at``.
+    ``taken`` is a list of [row, column, frame] in order of time; ``hashes`` one digest after every
+    second; ``n_frames`` the number of actions. Deletion only sets ``deleted_at``.
     """
 
     __tablename__ = "recordings"
@@ -284,16 +285,16 @@ class RecordingRow(Base):
     parent_frame: Mapped[int | None] = mapped_column(Integer)
     source: Mapped[str] = mapped_column(String(16))
     state: Mapped[str] = mapped_column(String(16))
-    rom_md5: Mapped[str] = mapped_column(String(32))
-    idle_frames: Mapped[int] = mapped_column(Integer)
-    mode: Mapped[int] = mapped_column(Integer, default=0)
-    difficulty: Mapped[int] = mapped_column(Integer, default=0)
-    ending: Mapped[str] = mapped_column(String(16), default="hit", server_default="hit")
+    game: Mapped[str] = mapped_column(String(160), server_default="space_invaders")
+    game_version: Mapped[str] = mapped_column(String(32))
+    start: Mapped[dict[str, Any]] = mapped_column(JSON, server_default="{}")
+    end_rule: Mapped[str] = mapped_column(String(16), default="hit", server_default="hit")
     actions: Mapped[bytes] = mapped_column(LargeBinary, default=b"")
     n_frames: Mapped[int] = mapped_column(Integer, default=0)
-    ram_hashes: Mapped[list[str]] = mapped_column(JSON, default=list)
-    hits: Mapped[list[list[int]]] = mapped_column(JSON, default=list)
-    shots: Mapped[int] = mapped_column(Integer, default=0)
+    hashes: Mapped[list[str]] = mapped_column(JSON, default=list)
+    taken: Mapped[list[list[int]]] = mapped_column(JSON, default=list)
+    counters: Mapped[dict[str, int]] = mapped_column(JSON, default=dict, server_default="{}")
+    score: Mapped[float | None] = mapped_column(Float)
     end: Mapped[str | None] = mapped_column(String(16))
     verification: Mapped[str] = mapped_column(String(16), default=Verification.PENDING)
     verification_note: Mapped[str] = mapped_column(Text, default="")

@@ -9,7 +9,8 @@ from sqlalchemy import Select, func, select
 from sqlalchemy.orm import Session, load_only
 
 from tril.errors import Conflict, Invalid, NotFound
-from tril.play.episode import Ending, EndReason, Hit, Start
+from tril.games import game_named
+from tril.games.base import Cell, Taken
 from tril.recording import Recording, Replay
 from tril.store import audit, rankings
 from tril.store.changes import note_change, note_recordings
@@ -23,24 +24,42 @@ ROWS_IN_MEMORY = 200
 
 def as_recording(row: RecordingRow) -> Recording:
     """Return the recording that a row holds."""
+    game = game_named(row.game)
     return Recording(
-        start=Start(row.idle_frames, row.mode, row.difficulty),
+        game=game,
+        start=game.starts.parse(row.start),
         actions=row.actions,
-        ram_hashes=tuple(row.ram_hashes),
-        rom_md5=row.rom_md5,
-        ending=Ending(row.ending),
+        hashes=tuple(row.hashes),
+        version=row.game_version,
+        end_rule=row.end_rule,
     )
 
 
-def hits_of(row: RecordingRow) -> tuple[Hit, ...]:
-    """Return a recording's hits in order of time."""
-    return tuple(Hit(row_, column, frame) for row_, column, frame in row.hits)
+def taken_of(row: RecordingRow) -> tuple[Taken, ...]:
+    """Return the items that a recording takes, in order of time."""
+    return tuple(Taken(row_, column, frame) for row_, column, frame in row.taken)
+
+
+def cells_of(row: RecordingRow) -> tuple[Cell, ...]:
+    """Return the cells of the items that a recording takes, in order of time."""
+    return tuple((row_, column) for row_, column, _ in row.taken)
+
+
+def died(row: RecordingRow) -> bool:
+    """Return whether a recording ended with the player's death."""
+    return game_named(row.game).is_death(row.end)
 
 
 def replay_of(row: RecordingRow) -> Replay:
     """Return what happened in a recording, as its row says."""
-    end = None if row.end is None else EndReason(row.end)
-    return Replay(hits_of(row), end, row.n_frames, row.shots, tuple(row.ram_hashes))
+    return Replay(
+        taken_of(row),
+        row.end,
+        row.n_frames,
+        dict(row.counters),
+        row.score or 0.0,
+        tuple(row.hashes),
+    )
 
 
 def fill(row: RecordingRow, recording: Recording, played: Replay) -> None:
@@ -52,17 +71,17 @@ def fill(row: RecordingRow, recording: Recording, played: Replay) -> None:
 def columns_of(recording: Recording, played: Replay) -> dict[str, Any]:
     """Return a recording and what happened in it as the columns of its row."""
     return {
-        "rom_md5": recording.rom_md5,
-        "idle_frames": recording.start.idle_frames,
-        "mode": recording.start.mode,
-        "difficulty": recording.start.difficulty,
-        "ending": recording.ending,
+        "game": recording.game.name,
+        "game_version": recording.version,
+        "start": recording.start.to_json(),
+        "end_rule": recording.end_rule,
         "actions": recording.actions,
         "n_frames": recording.n_frames,
-        "ram_hashes": list(recording.ram_hashes),
-        "hits": [[hit.row, hit.column, hit.frame] for hit in played.hits],
-        "shots": played.shots,
-        "end": None if played.end is None else str(played.end),
+        "hashes": list(recording.hashes),
+        "taken": [[one.row, one.column, one.frame] for one in played.taken],
+        "counters": played.counters,
+        "score": played.score,
+        "end": played.end,
     }
 
 

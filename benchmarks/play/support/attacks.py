@@ -27,9 +27,10 @@ import numpy as np
 
 from benchmarks.play.support.pages import owners_cookie
 from server.play.wire.protocol import InputMessage, client_bytes
+from testsupport.space_invaders import Keys
 from tril.exchange.formats.recording_file import dump_recording
-from tril.games.space_invaders.controls import Keys
-from tril.play.episode import Start
+from tril.games.atari.starts import AtariStart
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.recording import Recording
 from tril.settings import Settings
 
@@ -262,8 +263,8 @@ async def imports(attacker: Attacker) -> None:
 
     def line() -> bytes:
         actions = bytes(rng.integers(0, 6, 600, np.uint8))
-        start = Start(int(rng.integers(64)))
-        return json.dumps(dump_recording(Recording(start, actions))).encode()
+        start = AtariStart(int(rng.integers(64)))
+        return json.dumps(dump_recording(Recording(SPACE_INVADERS, start, actions))).encode()
 
     async def go_on(_number: int) -> None:
         while attacker.goes_on():

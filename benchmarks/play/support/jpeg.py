@@ -14,10 +14,10 @@ from fastapi import APIRouter, Query
 from starlette.websockets import WebSocket
 
 from server.play.stream import play_over
-from server.play.wire.codec import Screen
 from server.play.wire.connection import Connection
 from server.play.wire.scene import Scene
 from tril.games.atari.palette import palette_rgb
+from tril.games.base import Screen
 
 QUALITY = 75
 

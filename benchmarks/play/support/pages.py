@@ -24,7 +24,7 @@ import numpy as np
 
 from server.play.wire.protocol import InputMessage, client_bytes
 from testsupport.live import TIMEOUT_S, cookie
-from tril.games.space_invaders.controls import Keys
+from testsupport.space_invaders import Keys
 from tril.settings import Settings
 
 HOST = "127.0.0.1"

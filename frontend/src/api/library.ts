@@ -136,6 +136,7 @@ function merged(
 
 /** Returns the rows of columns. */
 function entriesOf(columns: LibraryColumns, ranked: ReadonlySet<number>): LibraryEntry[] {
+  const counters = Object.entries(columns.counters);
   return columns.id.map((id, row) => {
     const of = <T>(column: readonly T[]) => column[row] as T;
     const parent = of(columns.parent_id);
@@ -156,7 +157,8 @@ function entriesOf(columns: LibraryColumns, ranked: ReadonlySet<number>): Librar
       targets: of(columns.targets),
       strays: of(columns.strays),
       order_errors: of(columns.order_errors),
-      shots: of(columns.shots),
+      counters: Object.fromEntries(counters.map(([name, counts]) => [name, of(counts)])),
+      score: of(columns.score),
       perfect: of(columns.perfect),
       ranked: ranked.has(id),
       deleted: of(columns.deleted),

@@ -172,10 +172,10 @@ export interface paths {
         };
         /**
          * Get Ghost
-         * @description Return where the cannon of the best demonstration stood in every frame.
+         * @description Return where the player of the best demonstration stood in every frame.
          *
          *     The best one is the first of the ranking's best tier, without a ranking the newest one that is
-         *     marked as perfect; null if there is neither.
+         *     marked as perfect; null if there is neither, or the game does not tell.
          */
         get: operations["get_ghost"];
         put?: never;
@@ -1628,13 +1628,15 @@ export interface components {
         };
         /**
          * GameNew
-         * @description A game to create. Without ``idle_frames`` its start is drawn at random.
+         * @description A game to create. Without ``start`` its start is drawn at random.
          */
         GameNew: {
             /** Behaviour Id */
             behaviour_id: number;
-            /** Idle Frames */
-            idle_frames?: number | null;
+            /** Start */
+            start?: {
+                [key: string]: number;
+            } | null;
         };
         /**
          * GameOpinion
@@ -1711,7 +1713,7 @@ export interface components {
         };
         /**
          * Hit
-         * @description An alien that was shot, and the frame in which it was hit.
+         * @description An item that was taken, and the frame in which it was.
          */
         Hit: {
             /** Column */
@@ -1927,9 +1929,13 @@ export interface components {
          * @description Recordings in brief, newest first: each list has the values of one field.
          *
          *     The fields are those of ``Recording``; ``parent_id`` and ``parent_frame`` are of its ``parent``,
-         *     ``n_hits`` is the number of its ``hits``.
+         *     ``n_hits`` is the number of its ``hits``. ``counters`` has a list for each of the game's.
          */
         LibraryColumns: {
+            /** Counters */
+            counters: {
+                [key: string]: number[];
+            };
             /** Deleted */
             deleted: boolean[];
             /** End */
@@ -1954,8 +1960,8 @@ export interface components {
             player: (string | null)[];
             /** Run Id */
             run_id: (string | null)[];
-            /** Shots */
-            shots: number[];
+            /** Score */
+            score: (number | null)[];
             /** Source */
             source: components["schemas"]["Source"][];
             /** State */
@@ -2368,6 +2374,10 @@ export interface components {
             behaviour_name: string;
             /** Borrowed */
             borrowed: boolean;
+            /** Counters */
+            counters: {
+                [key: string]: number;
+            };
             /**
              * Created At
              * Format: date-time
@@ -2381,14 +2391,14 @@ export interface components {
             evaluation_start: number | null;
             /** Frames Url */
             frames_url: string;
+            /** Game */
+            game: string;
             /** Hits */
             hits: components["schemas"]["Hit"][];
             /** Hits Per Column */
             hits_per_column: number[];
             /** Id */
             id: number;
-            /** Idle Frames */
-            idle_frames: number;
             latency: components["schemas"]["Latency"] | null;
             /** N Frames */
             n_frames: number;
@@ -2407,13 +2417,17 @@ export interface components {
             ranked: boolean;
             /** Run Id */
             run_id: string | null;
-            /** Shots */
-            shots: number;
+            /** Score */
+            score: number | null;
             /** Single Steps */
             single_steps: number | null;
             /** Slowest Percent */
             slowest_percent: number | null;
             source: components["schemas"]["Source"];
+            /** Start */
+            start: {
+                [key: string]: number;
+            };
             state: components["schemas"]["RecordingState"];
             /** Strays */
             strays: number | null;

@@ -9,8 +9,11 @@ export const WATCH_HELLO = {
   max_frames: 1200,
   frame: 96,
   speed_percent: 100,
-  aliens: { width: 8, height: 10, column_px: 16, row_px: 18 },
-  idle_frames: 11,
+  overlay: {
+    painter: "alien-formation",
+    geometry: { width: 8, height: 10, column_px: 16, row_px: 18 },
+  },
+  start: { idle_frames: 11 },
   start_number: 0,
   actors: [],
 };

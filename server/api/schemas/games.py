@@ -5,19 +5,20 @@ from __future__ import annotations
 from pydantic import Field
 
 from server.api.schemas.base import Id, Schema
+from tril.games.base import MAX_FRAMES
 
 
 class GameNew(Schema):
-    """A game to create. Without ``idle_frames`` its start is drawn at random."""
+    """A game to create. Without ``start`` its start is drawn at random."""
 
     behaviour_id: Id
-    idle_frames: int | None = Field(default=None, strict=True, ge=0, le=127)
+    start: dict[str, int] | None = Field(default=None, max_length=8)
 
 
 class GameFrom(Schema):
     """The frame of a recording after which a game continues."""
 
-    frame: int = Field(strict=True, ge=0, le=1200)
+    frame: int = Field(strict=True, ge=0, le=MAX_FRAMES)
 
 
 class Game(Schema):

@@ -10,7 +10,7 @@ class LibraryColumns(Schema):
     """Recordings in brief, newest first: each list has the values of one field.
 
     The fields are those of ``Recording``; ``parent_id`` and ``parent_frame`` are of its ``parent``,
-    ``n_hits`` is the number of its ``hits``.
+    ``n_hits`` is the number of its ``hits``. ``counters`` has a list for each of the game's.
     """
 
     id: list[int]
@@ -28,7 +28,8 @@ class LibraryColumns(Schema):
     targets: list[int | None]
     strays: list[int | None]
     order_errors: list[int | None]
-    shots: list[int]
+    counters: dict[str, list[int]]
+    score: list[float | None]
     perfect: list[bool]
     deleted: list[bool]
 

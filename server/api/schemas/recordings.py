@@ -15,7 +15,7 @@ from tril.text import Lines
 
 
 class Hit(Schema):
-    """An alien that was shot, and the frame in which it was hit."""
+    """An item that was taken, and the frame in which it was."""
 
     row: Row
     column: Column
@@ -78,7 +78,8 @@ class Recording(Schema):
     state: RecordingState
     verification: Verification
     verification_note: str
-    idle_frames: int
+    game: str
+    start: dict[str, int]
     evaluation_start: int | None
     n_frames: int
     n_steps: int
@@ -88,7 +89,8 @@ class Recording(Schema):
     targets: int | None
     strays: int | None
     order_errors: int | None
-    shots: int
+    counters: dict[str, int]
+    score: float | None
     latency: Latency | None
     slowest_percent: int | None
     single_steps: int | None

@@ -5,8 +5,8 @@ from __future__ import annotations
 from sqlalchemy.orm import Session
 
 from server.api.schemas.library import Library, LibraryColumns
-from tril.behaviours import score
-from tril.games.space_invaders.memory import FRAMES_PER_STEP
+from tril.games import game_named
+from tril.games.behaviours import score
 from tril.store import behaviours, library, rankings
 from tril.store.access.credentials import Identity
 from tril.store.models import BehaviourRow
@@ -30,9 +30,10 @@ def library_view(
         borrowed: Whether it is what the behaviour has borrowed, which is never perfect there.
     """
     target = behaviours.as_behaviour(behaviour)
+    game = game_named(target.game)
     entries = brief.entries
     knows_all = not who.is_participant
-    cells = [tuple((row, column) for row, column, _ in entry.hits) for entry in entries]
+    cells = [tuple((row, column) for row, column, _ in entry.taken) for entry in entries]
     scores = [score(target, hits) for hits in cells]
     ranking = rankings.as_ranking(rankings.current(session, behaviour.id))
     return Library(
@@ -50,13 +51,16 @@ def library_view(
             state=[entry.state for entry in entries],
             verification=[entry.verification for entry in entries],
             n_frames=[entry.n_frames for entry in entries],
-            n_steps=[-(-entry.n_frames // FRAMES_PER_STEP) for entry in entries],
+            n_steps=[game.clock.n_steps(entry.n_frames) for entry in entries],
             end=[entry.end for entry in entries],
             n_hits=[len(hits) for hits in cells],
             targets=[None if one is None else one.targets for one in scores],
             strays=[None if one is None else one.strays for one in scores],
             order_errors=[None if one is None else one.order_errors for one in scores],
-            shots=[entry.shots for entry in entries],
+            counters={
+                name: [entry.counters.get(name, 0) for entry in entries] for name in game.counters
+            },
+            score=[entry.score for entry in entries],
             perfect=[knows_all and not borrowed and entry.perfect for entry in entries],
             deleted=[entry.deleted_at is not None for entry in entries],
         ),

@@ -10,13 +10,12 @@ from server.api.schemas.recordings import BegunBy, Branch, Hit, Recording
 from server.play.conditions import PlayConditions
 from server.replay_cache import version_of
 from server.web.permissions import for_reader
-from tril.behaviours import Behaviour, score
-from tril.games.space_invaders.memory import COLUMNS
-from tril.play.episode import evaluation_number
+from tril.games import game_named
+from tril.games.behaviours import Behaviour, score
 from tril.store import behaviours, players, rankings
 from tril.store.access.credentials import Identity
 from tril.store.models import BehaviourRow, RecordingRow
-from tril.store.recordings import as_recording, hits_of, own_ids
+from tril.store.recordings import as_recording, own_ids, taken_of
 
 
 def parent_of(session: Session, who: Identity, row: RecordingRow) -> Branch | None:
@@ -63,9 +62,11 @@ class RecordingViews:
         """Show a recording."""
         shown_for = self._behaviour_id or row.behaviour_id
         borrowed = shown_for != row.behaviour_id or row.id in self._borrowed_by(shown_for)
-        hits = hits_of(row)
-        cells = tuple((hit.row, hit.column) for hit in hits)
+        taken = taken_of(row)
+        cells = tuple(one.cell for one in taken)
         columns = [column for _, column in cells]
+        items = game_named(row.game).items
+        n_columns = 0 if items is None else items.columns
         behaviour = self._behaviour(shown_for)
         found = score(behaviour, cells)
         recording = as_recording(row)
@@ -78,18 +79,18 @@ class RecordingViews:
             borrowed=borrowed,
             perfect=row.perfect and not borrowed,
             player=self._names.get(row.player_id or 0),
-            evaluation_start=evaluation_number(recording.start),
+            evaluation_start=recording.game.starts.evaluation_number(recording.start),
             n_steps=recording.n_steps,
             hits=[
                 Hit(
-                    row=hit.row,
-                    column=hit.column,
-                    frame=hit.frame,
-                    on_target=behaviour.target and cell in behaviour.target,
+                    row=one.row,
+                    column=one.column,
+                    frame=one.frame,
+                    on_target=behaviour.target and one.cell in behaviour.target,
                 )
-                for hit, cell in zip(hits, cells, strict=True)
+                for one in taken
             ],
-            hits_per_column=[columns.count(column) for column in range(COLUMNS)],
+            hits_per_column=[columns.count(column) for column in range(n_columns)],
             targets=None if found is None else found.targets,
             strays=None if found is None else found.strays,
             order_errors=None if found is None else found.order_errors,

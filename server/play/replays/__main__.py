@@ -11,8 +11,7 @@ import signal
 import sys
 import traceback
 
-from server.play.replays.request import Answer, AnyRequest, execute
-from tril.games.atari.console import Console
+from server.play.replays.request import Answer, AnyRequest, ConsoleShelf, execute
 from tril.recording import RecordingRefused
 
 NICENESS = 5
@@ -28,19 +27,19 @@ def main() -> None:
     requests, answers = sys.stdin.buffer, sys.stdout.buffer
     # Keep other output, the emulator's for one, out of the answers.
     sys.stdout = sys.stderr
-    console = Console()
+    consoles = ConsoleShelf()
     while True:
         try:
             request: AnyRequest = pickle.load(requests)
         except EOFError:
             return
-        pickle.dump(_answer(request, console), answers)
+        pickle.dump(_answer(request, consoles), answers)
         answers.flush()
 
 
-def _answer(request: AnyRequest, console: Console) -> Answer:
+def _answer(request: AnyRequest, consoles: ConsoleShelf) -> Answer:
     try:
-        return Answer(content=execute(request, console))
+        return Answer(content=execute(request, consoles))
     except RecordingRefused as refusal:
         return Answer(refusal=str(refusal))
     except Exception:  # noqa: BLE001

@@ -22,6 +22,7 @@ from server.play.replays.request import (
 )
 from tril.errors import Unavailable
 from tril.exchange.formats.recording_file import ImportedRecording
+from tril.games.base import Cell
 from tril.recording import Recording, RecordingRefused, Verified
 
 _LOG = logging.getLogger(__name__)
@@ -46,30 +47,31 @@ class ReplayProcess:
         self._thread.submit(self._running).add_done_callback(_log_failure)
 
     def submit(
-        self, task: ReplayTask, recording: Recording, hits: Sequence[tuple[int, int]] = ()
+        self, task: ReplayTask, recording: Recording, taken: Sequence[Cell] = ()
     ) -> Future[bytes]:
         """Request a replay.
 
         Args:
             task: What to replay the recording for.
             recording: The recording.
-            hits: For a check, the (row, column) that it is said to hit, in order of time.
+            taken: For a check, the items that it is said to take, in order of time.
 
         Returns:
             The product, empty for a check; or RecordingRefused, if the replay differs from what was
             recorded, or Unavailable.
         """
-        return self._thread.submit(self._execute, Request(task, recording, tuple(hits)))
+        return self._thread.submit(self._execute, Request(task, recording, tuple(taken)))
 
-    def play_varied(self, seed: int) -> Future[Verified]:
+    def play_varied(self, game: str, seed: int) -> Future[Verified]:
         """Request a game of varied play, which takes half a second to two seconds.
 
         Submit one at a time, so that the check of a game that ends waits for one at most.
 
         Args:
+            game: Name of the game.
             seed: Seed of all that is drawn for it.
         """
-        return self._thread.submit(self._play, VariedPlayRequest(seed))
+        return self._thread.submit(self._play, VariedPlayRequest(game, seed))
 
     def load(self, content: object) -> ImportedRecording:
         """Load a recording from the exchange format and verify it, in turn with other replays.

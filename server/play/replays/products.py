@@ -11,11 +11,9 @@ from collections.abc import Iterator
 import numpy as np
 from PIL import Image
 
-from server.play.wire.codec import FLAG_KEY, EncodedFrame, FrameEncoder, Screen, palette_json
+from server.play.wire.codec import FLAG_KEY, EncodedFrame, FrameEncoder, palette_json
 from tril.errors import NotFound
-from tril.games.atari.console import Console
-from tril.games.atari.palette import palette_rgb
-from tril.games.space_invaders import memory as game
+from tril.games.base import Console, Screen
 from tril.play.episode import Episode
 from tril.play.observation import SIZE, STACK, Observation, Observations
 from tril.recording import Recording, replay, trajectory
@@ -28,23 +26,21 @@ _FRAME = struct.Struct("<IB")
 
 def frames_file(recording: Recording, console: Console | None = None) -> bytes:
     """Return every frame of a recording, the start's first, as docs/protocol.md describes."""
-    encoder = FrameEncoder()
+    game = recording.game
+    encoder = FrameEncoder(game.screen.shape)
     parts: list[bytes] = []
 
     def add_frame(episode: Episode) -> None:
-        frame = encoder.encode(
-            episode.console.screen_palette(), key=episode.frame % KEY_EVERY_FRAMES == 0
-        )
+        frame = encoder.encode(episode.console.screen(), key=episode.frame % KEY_EVERY_FRAMES == 0)
         parts.append(_FRAME.pack(len(frame.payload), FLAG_KEY * frame.is_key) + frame.payload)
 
     played = replay(recording, console, add_frame)
-    height, width = game.SCREEN_SHAPE
     header = json.dumps(
         {
-            "width": width,
-            "height": height,
-            "palette": palette_json(),
-            "frame_rate_hz": game.FRAME_RATE_HZ,
+            "width": game.screen.width,
+            "height": game.screen.height,
+            "palette": palette_json(game.screen),
+            "frame_rate_hz": game.clock.frame_rate_hz,
             "n_frames": played.n_frames,
             "key_every": KEY_EVERY_FRAMES,
         },
@@ -67,33 +63,37 @@ def read_frames_file(content: bytes) -> Iterator[EncodedFrame]:
 
 
 def thumbnail_png(recording: Recording, console: Console | None = None) -> bytes:
-    """Return a PNG of the screen after a recording's last hit, or else of its last frame."""
-    shown: Screen = np.zeros(game.SCREEN_SHAPE, np.uint8)
-    hits = 0
+    """Return a PNG of the screen after the last item taken, or else of the last frame."""
+    shown: Screen = np.zeros(recording.game.screen.shape, np.uint8)
+    n_taken = 0
 
     def keep_screen(episode: Episode) -> None:
-        nonlocal hits
+        nonlocal n_taken
         is_last = episode.frame == recording.n_frames or episode.end is not None
-        if len(episode.hits) > hits or (is_last and not hits):
-            hits = len(episode.hits)
-            episode.console.screen_palette(shown)
+        if len(episode.taken) > n_taken or (is_last and not n_taken):
+            n_taken = len(episode.taken)
+            episode.console.screen(shown)
 
     replay(recording, console, keep_screen)
     file = io.BytesIO()
-    image = Image.fromarray(palette_rgb()[shown]).quantize(256, dither=Image.Dither.NONE)
+    palette = recording.game.screen.palette
+    picture = shown if palette is None else palette[shown]
+    image = Image.fromarray(picture).quantize(256, dither=Image.Dither.NONE)
     image.save(file, "PNG", optimize=True)
     return file.getvalue()
 
 
 def memory_file(recording: Recording, console: Console | None = None) -> bytes:
-    """Return the RAM at the start and after every frame: uint8 (n_frames + 1, 128), row by row."""
-    memory = np.zeros((recording.n_frames + 1, game.RAM_SIZE), np.uint8)
+    """Return the memory at the start and after every frame, as many bytes each.
 
-    def add_memory(episode: Episode) -> None:
-        memory[episode.frame] = np.frombuffer(episode.console.ram_bytes(), np.uint8)
-
-    played = replay(recording, console, add_memory)
-    return memory[: played.n_frames + 1].tobytes()
+    Raises:
+        NotFound: The game shows no memory.
+    """
+    if not recording.game.has_memory:
+        raise NotFound(f"{recording.game.title} shows no memory.")
+    memory: list[bytes] = []
+    replay(recording, console, lambda episode: memory.append(episode.console.ram_bytes()))
+    return b"".join(memory)
 
 
 def observations_file(recording: Recording, console: Console | None = None) -> bytes:

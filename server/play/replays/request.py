@@ -14,9 +14,10 @@ from server.play.replays.products import (
     observations_file,
     thumbnail_png,
 )
-from tril.demonstrators.space_invaders.varied_play import play_varied
-from tril.exchange.formats.recording_file import ImportedRecording, load_recording
-from tril.games.atari.console import Console
+from tril.demonstrators.varied import play_varied
+from tril.exchange.formats.recording_file import Consoles, ImportedRecording, load_recording
+from tril.games import game_named
+from tril.games.base import Cell, Console, Game
 from tril.recording import Recording, Verified, verify
 
 
@@ -37,12 +38,12 @@ class Request:
     Attributes:
         task: What to replay the recording for.
         recording: The recording.
-        hits: For a check, the (row, column) of the aliens that it is said to hit, in order of time.
+        taken: For a check, the items that it is said to take, in order of time.
     """
 
     task: ReplayTask
     recording: Recording
-    hits: tuple[tuple[int, int], ...] = ()
+    taken: tuple[Cell, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -50,9 +51,11 @@ class VariedPlayRequest:
     """A request for a game of varied play.
 
     Attributes:
+        game: Name of the game.
         seed: Seed of all that is drawn for it.
     """
 
+    game: str
     seed: int
 
 
@@ -94,17 +97,32 @@ _PRODUCTS: Mapping[ReplayTask, Callable[[Recording, Console], bytes]] = {
 }
 
 
-def execute(request: AnyRequest, console: Console) -> Content:
+MAX_CONSOLES = 4
+
+
+class ConsoleShelf(Consoles):
+    """Consoles by game, of the games that were used last."""
+
+    def __missing__(self, game: Game) -> Console:
+        """Make a console, in place of that of the game that was not used for longest."""
+        while len(self) >= MAX_CONSOLES:
+            self.pop(next(iter(self))).close()
+        self[game] = game.make_console()
+        return self[game]
+
+
+def execute(request: AnyRequest, consoles: ConsoleShelf) -> Content:
     """Replay a recording and return the product, nothing for a passed check; or play or load one.
 
     Raises:
         RecordingRefused: The replay differs from what was recorded.
     """
     if isinstance(request, VariedPlayRequest):
-        return play_varied(np.random.default_rng(request.seed), console)
+        return play_varied(np.random.default_rng(request.seed), consoles[game_named(request.game)])
     if isinstance(request, LoadRequest):
-        return load_recording(request.content, console)
+        return load_recording(request.content, consoles)
+    console = consoles[request.recording.game]
     if request.task is ReplayTask.CHECK:
-        verify(request.recording, request.hits, console)
+        verify(request.recording, request.taken, console)
         return b""
     return _PRODUCTS[request.task](request.recording, console)

@@ -26,7 +26,8 @@ from server.play.session.live_game import GameInfo, LiveGame
 from server.play.session.session import PlaySession, RewoundGame
 from server.play.wire.protocol import Paused
 from tril.errors import Unavailable
-from tril.play.episode import EpisodeState, Hit
+from tril.games.base import Taken
+from tril.play.episode import EpisodeState
 from tril.recording import Recorder, Recording, RecordingRefused
 from tril.store import behaviours, games, recordings
 from tril.store.games import GameOver, Progress
@@ -146,7 +147,7 @@ class GameOwnership:
         last = game.progress()
         await self._write(session, lambda: partial(games.save, progress=game.progress()))
         refusal = await find_refusal(
-            self._replays, last.recording, last.played.hits, lambda: self.is_stopping
+            self._replays, last.recording, last.played.taken, lambda: self.is_stopping
         )
         await self._write(
             session,
@@ -179,7 +180,10 @@ class GameOwnership:
         try:
             with suppress(Unavailable):
                 refusal = await find_refusal(
-                    self._replays, before.recording, before.played.hits, lambda: session.is_stopping
+                    self._replays,
+                    before.recording,
+                    before.played.taken,
+                    lambda: session.is_stopping,
                 )
                 if not session.is_stopping:
                     kept = await self._write(
@@ -228,7 +232,7 @@ class GameOwnership:
             return
         recording = recordings.as_recording(row.recording)
         refusal = await find_refusal(
-            self._replays, recording, recordings.hits_of(row.recording), lambda: True
+            self._replays, recording, recordings.taken_of(row.recording), lambda: True
         )
         was_finished = row.recording.end is not None
         state = RecordingState.KEPT if was_finished else RecordingState.UNFINISHED
@@ -244,7 +248,7 @@ class GameOwnership:
         return games.branch(session, before, after, refusal)
 
     def _rebuild(self, recording: Recording, near: EpisodeState | None = None) -> Recorder:
-        console = self._consoles.take()
+        console = self._consoles.take(recording.game)
         try:
             return Recorder.resume(recording, console, near=near)
         except BaseException:
@@ -287,7 +291,7 @@ class GameOwnership:
 async def find_refusal(
     replays: ReplayProcess,
     recording: Recording,
-    hits: tuple[Hit, ...],
+    taken: tuple[Taken, ...],
     give_up: Callable[[], bool],
 ) -> str | None:
     """Replay a recording; returns how the replay differs from the game, None if it does not.
@@ -295,13 +299,13 @@ async def find_refusal(
     Args:
         replays: The replay process.
         recording: What was played.
-        hits: What it hit.
+        taken: The items taken.
         give_up: Asked after each failure to replay whether to raise instead of retrying.
 
     Raises:
         Unavailable: The recording could not be replayed.
     """
-    cells = [(hit.row, hit.column) for hit in hits]
+    cells = [one.cell for one in taken]
     while True:
         try:
             await asyncio.wrap_future(replays.submit(ReplayTask.CHECK, recording, cells))

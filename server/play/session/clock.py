@@ -1,4 +1,4 @@
-"""The clock of a game: 60 frames a second, or slower, against absolute deadlines."""
+"""The clock of a game: its frame rate, or slower, against absolute deadlines."""
 
 from __future__ import annotations
 
@@ -10,11 +10,9 @@ from collections.abc import Awaitable, Callable
 from server.play.conditions import FULL_SPEED_PERCENT
 from server.play.lateness import Lateness
 from tril.errors import TrilError
-from tril.games.space_invaders import memory as game
 
 _LOG = logging.getLogger(__name__)
 
-FRAME_S = 1.0 / game.FRAME_RATE_HZ
 MAX_LAG_S = 0.25
 """Lag beyond which the deadlines restart from now instead of catching up."""
 
@@ -63,11 +61,13 @@ class FrameClock:
 
     Args:
         game_id: The game, for the log.
+        frame_rate_hz: Frames a second at full speed.
         lateness: The histogram that each frame's lateness is added to.
     """
 
-    def __init__(self, game_id: str, lateness: Lateness) -> None:
+    def __init__(self, game_id: str, frame_rate_hz: int, lateness: Lateness) -> None:
         self._game_id = game_id
+        self._frame_s = 1.0 / frame_rate_hz
         self._lateness = lateness
         self._loop = asyncio.get_running_loop()
         self._deadline = self._loop.time()
@@ -79,14 +79,14 @@ class FrameClock:
         """Wait until a frame at this speed has passed since the last deadline.
 
         Args:
-            speed_percent: Of 60 frames a second.
+            speed_percent: Of the game's frame rate.
             ready: Waits for whatever else the next frame needs. If that is more than a frame late,
                 the clock stands still meanwhile: the deadlines restart from then.
 
         Raises:
             StoodStill: Time jumped.
         """
-        self._deadline += FRAME_S * FULL_SPEED_PERCENT / speed_percent
+        self._deadline += self._frame_s * FULL_SPEED_PERCENT / speed_percent
         now = self._loop.time()
         if now - self._deadline > MAX_LAG_S:
             _LOG.warning("Game %s stood still for %.2f s.", self._game_id, now - self._deadline)
@@ -99,7 +99,7 @@ class FrameClock:
             self._jumps.restart()
         now = self._loop.time()
         self._lateness.note(now - self._deadline)
-        if ready is not None and now - self._deadline > FRAME_S:
+        if ready is not None and now - self._deadline > self._frame_s:
             self._deadline = now
 
 

@@ -8,9 +8,8 @@ from server.play.conditions import PlayConditions
 from server.play.session.rewind import Checkpoints
 from server.play.wire.messages import all_hits, greeting, hits_after, outcome
 from server.play.wire.protocol import Ended, Hello, HitMessage, Rewound
-from tril.behaviours import Behaviour
-from tril.games.atari.console import Console
-from tril.games.space_invaders.controls import Keys, action_for
+from tril.games.base import Console
+from tril.games.behaviours import Behaviour
 from tril.play.episode import Episode
 from tril.recording import Recorder
 from tril.store.games import Progress
@@ -55,14 +54,14 @@ class LiveGame:
     @property
     def is_dirty(self) -> bool:
         """Whether frames were played that are not saved."""
-        return self.episode.actions != self._saved
+        return bool(self.episode.actions != self._saved)
 
-    def advance(self, keys: Keys) -> list[HitMessage]:
-        """Execute one frame with these keys held; returns the hits in it."""
-        n_hits = len(self.episode.hits)
+    def advance(self, buttons: int) -> list[HitMessage]:
+        """Execute one frame with these buttons held, as bits; returns what was taken in it."""
+        n_taken = len(self.episode.taken)
         self.checkpoints.add_if_due(self.episode)
-        self.recorder.advance(action_for(keys))
-        return hits_after(self.info.behaviour, self.episode, n_hits)
+        self.recorder.advance(self.episode.game.controls.action_for(buttons))
+        return hits_after(self.info.behaviour, self.episode, n_taken)
 
     def rewind(self, recorder: Recorder, recording_id: int) -> tuple[Rewound, Console]:
         """Continue from an earlier frame.

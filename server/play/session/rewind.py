@@ -6,14 +6,12 @@ import asyncio
 from collections.abc import Awaitable, Callable
 
 from server.play.consoles import ConsolePool
-from server.play.session.clock import FRAME_S, JumpDetector
+from server.play.session.clock import JumpDetector
 from server.play.wire.scene import Scene
-from tril.games.atari.console import Console
-from tril.games.space_invaders import memory as game
+from tril.games.base import Console
 from tril.play.episode import Episode, EpisodeState
-from tril.recording import Recording
+from tril.recording import Recording, hash_interval
 
-CHECKPOINT_EVERY_FRAMES = game.FRAME_RATE_HZ
 SLOW_FRAMES = 2
 FAST_FRAMES = 4
 """Frames rewound per frame shown: a whole game takes six seconds."""
@@ -31,8 +29,10 @@ class Checkpoints:
         self._states: dict[int, EpisodeState] = {}
 
     def add_if_due(self, episode: Episode) -> None:
-        """Save the episode's state once a second."""
-        if episode.frame % CHECKPOINT_EVERY_FRAMES == 0 and episode.frame not in self._states:
+        """Save the episode's state once a second, if the game saves states."""
+        if not episode.game.saves_states:
+            return
+        if episode.frame % hash_interval(episode.game) == 0 and episode.frame not in self._states:
             self._states[episode.frame] = episode.save()
 
     def discard_after(self, frame: int) -> None:
@@ -50,12 +50,12 @@ class Checkpoints:
         Blocks, so call it in a thread: it replays up to a second, or from the start if there is no
         nearer state.
         """
-        episode = Episode(console, recording.start, recording.ending)
+        episode = Episode(console, recording.start, recording.end_rule)
         state = self.latest_until(last)
         if state is not None:
             episode.restore(state)
         scenes: dict[int, Scene] = {}
-        first = last - last % CHECKPOINT_EVERY_FRAMES
+        first = last - last % hash_interval(recording.game)
         while True:
             self.add_if_due(episode)
             if episode.frame >= first:
@@ -88,7 +88,8 @@ async def play_backwards(
         StoodStill: Time jumped.
     """
     loop = asyncio.get_running_loop()
-    console = await asyncio.to_thread(consoles.take)
+    console = await asyncio.to_thread(consoles.take, recording.game)
+    frame_s = 1.0 / recording.game.clock.frame_rate_hz
     scenes: dict[int, Scene] = {}
     frame = recording.n_frames
     began = deadline = loop.time()
@@ -102,10 +103,10 @@ async def play_backwards(
                         scenes = await asyncio.to_thread(checkpoints.scenes, recording, to, console)
                     await show(scenes[to])
                     frame = to
-                deadline = max(deadline + FRAME_S, loop.time())
+                deadline = max(deadline + frame_s, loop.time())
                 jumps = JumpDetector()
                 await asyncio.sleep(deadline - loop.time())
-                jumps.check(FRAME_S)
+                jumps.check(frame_s)
     finally:
         consoles.give_back(console)
     return frame

@@ -314,7 +314,8 @@ class PlaySession:
         """
         if self.connection is not None:
             self.connection.discard_taps()
-        clock = FrameClock(self.game_id, self._resources.lateness)
+        frame_rate_hz = self.game.episode.game.clock.frame_rate_hz
+        clock = FrameClock(self.game_id, frame_rate_hz, self._resources.lateness)
         while not self.is_stopping and self.game.episode.end is None:
             connection = self.connection
             if connection is None or not connection.is_open:
@@ -322,13 +323,14 @@ class PlaySession:
             if connection.stalled_for_s > self._resources.rules.stalled_after_s:
                 self._is_stalled = True
                 return WHY_STALLED
-            await self._tick(connection)
+            if connection.holds_button or not self.game.episode.game.controls.waits:
+                await self._tick(connection)
             await clock.wait(self.game.conditions.speed_percent)
         return ""
 
     async def _tick(self, connection: Connection) -> None:
         """Execute and show one frame."""
-        for hit in self.game.advance(connection.take_keys()):
+        for hit in self.game.advance(connection.take_buttons()):
             await connection.send(hit)
         if not await self._show():
             self.game.conditions.dropped.append(self.game.episode.frame)

@@ -26,13 +26,11 @@ from server.play.watch.policy_game import PolicyGame
 from server.play.watch.session import WatchEvents, WatchSession
 from server.play.watch.watch_socket import WatchSocket
 from server.play.wire.protocol import Close
-from tril.behaviours import Behaviour
 from tril.errors import NotFound
-from tril.games.atari.console import Console
-from tril.games.space_invaders.openings import Opening, draw_opening, evaluation_beginning
-from tril.games.space_invaders.starts import Start, draw_start
+from tril.games import game_named
+from tril.games.base import Console, Game, Opening, Start, draw_start, evaluation_beginning
+from tril.games.behaviours import Behaviour
 from tril.inference import Endpoint
-from tril.play.episode import Ending
 from tril.recipes import recipe_from_dict
 from tril.recording import Recording, Verified, verify
 from tril.store import behaviours, games, processes
@@ -57,7 +55,8 @@ class WatchPlan:
         behaviour_id: What they have been taught.
         behaviour: The same, to score hits.
         beginning: Where the games begin.
-        ending: Which event of the player's death ends them.
+        game: What is played.
+        end_rule: Name of the rule by which a loss ends them.
         players: Who plays, and the seed of its sampled and repeated actions.
     """
 
@@ -66,7 +65,8 @@ class WatchPlan:
     behaviour_id: int
     behaviour: Behaviour
     beginning: Start | Opening
-    ending: Ending
+    game: Game
+    end_rule: str
     players: tuple[tuple[Actor, int], ...]
 
 
@@ -222,9 +222,9 @@ class WatchHub:
         consoles: list[Console] = []
         try:
             for _ in plan.players:
-                consoles.append(self._consoles.take())
+                consoles.append(self._consoles.take(plan.game))
             return [
-                PolicyGame(console, actor, plan.beginning, plan.ending, seed)
+                PolicyGame(console, actor, plan.beginning, plan.end_rule, seed)
                 for console, (actor, seed) in zip(consoles, plan.players, strict=True)
             ]
         except BaseException:
@@ -236,8 +236,8 @@ class WatchHub:
         plan = self._sessions.get(session)
         if plan is None:
             return
-        # A person's game ends when the cannon is hit, whatever the run's recipe says.
-        recording = replace(lane.game.recording(), ending=Ending.HIT)
+        # A person's game ends by the game's default rule, whatever the run's recipe says.
+        recording = replace(lane.game.recording(), end_rule=plan.game.end_rule)
         begun = await asyncio.to_thread(self._verify, recording)
         actor = lane.game.actor
         conditions = PlayConditions(
@@ -265,7 +265,7 @@ class WatchHub:
         await self.close(session)
 
     def _verify(self, recording: Recording) -> Verified:
-        with self._consoles.lent() as console:
+        with self._consoles.lent(recording.game) as console:
             return verify(recording, console=console)
 
     async def _on_error(self, session: WatchSession) -> None:
@@ -286,13 +286,16 @@ def _plan(session: Session, request: WatchRequest, player_id: int) -> WatchPlan:
     for actor in request.actors:
         _check_trained(session, run, actor.policy)
     recipe = recipe_from_dict(run.recipe)
+    behaviour = behaviours.as_behaviour(behaviours.get(session, run.behaviour_id))
+    game = game_named(behaviour.game)
     return WatchPlan(
         player_id,
         run.id,
         run.behaviour_id,
-        behaviours.as_behaviour(behaviours.get(session, run.behaviour_id)),
-        _beginning_of(request, recipe.evaluation.openings),
-        Ending(recipe.ending),
+        behaviour,
+        _beginning_of(game, request, recipe.evaluation.openings),
+        game,
+        game.known_end_rule(recipe.ending),
         tuple(zip(request.actors, _seeds(request, run.training_seed), strict=True)),
     )
 
@@ -313,11 +316,11 @@ def _check_trained(session: Session, run: RunRow, policy: str) -> None:
         ) from None
 
 
-def _beginning_of(request: WatchRequest, openings: bool) -> Start | Opening:
+def _beginning_of(game: Game, request: WatchRequest, openings: bool) -> Start | Opening:
     if request.start_number is not None:
-        return evaluation_beginning(request.start_number, openings)
+        return evaluation_beginning(game.starts, request.start_number, openings)
     rng = np.random.default_rng(request.draw)
-    return draw_opening(draw_start(rng), rng)
+    return game.starts.draw_opening(draw_start(game.starts, rng), rng)
 
 
 def _seeds(request: WatchRequest, training_seed: int) -> list[int]:

@@ -8,7 +8,7 @@ from server.play.watch.watch_socket import LaneSocket, WatchSocket
 from server.play.wire.connection import Connection
 from server.play.wire.protocol import AckMessage
 from server.play.wire.scene import Scene
-from tril.behaviours import Behaviour
+from tril.games.behaviours import Behaviour
 
 
 class Lane:
@@ -30,10 +30,10 @@ class Lane:
         self._behaviour = behaviour
 
     def advance(self) -> list[LaneHit]:
-        """Execute one frame; returns the hits in it."""
-        n_hits = len(self.game.episode.hits)
+        """Execute one frame; returns what was taken in it."""
+        n_taken = len(self.game.episode.taken)
         self.game.advance()
-        return lane_hits_after(self.number, self._behaviour, self.game.episode, n_hits)
+        return lane_hits_after(self.number, self._behaviour, self.game.episode, n_taken)
 
     def ended(self) -> LaneEnded:
         """Return the last message of the game, which is over."""

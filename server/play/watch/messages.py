@@ -8,23 +8,22 @@ from typing import Annotated, Literal, get_args
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from server.play.wire.codec import palette_json
-from server.play.wire.messages import alien_geometry, all_hits, hits_after
+from server.play.wire.messages import all_hits, hits_after, overlay_layout
 from server.play.wire.protocol import (
     MAX_MESSAGE_BYTES,
     AckMessage,
-    AlienGeometry,
     BadMessage,
     HitAt,
     Message,
+    OverlayLayout,
     PageMessage,
     SetSpeed,
     parse_client,
 )
 from tril.analysis.summary import Policy
-from tril.behaviours import Behaviour, score
 from tril.errors import Invalid
-from tril.games.space_invaders import memory as game
-from tril.games.space_invaders.starts import EVALUATION_START_COUNT
+from tril.games.atari.starts import EVALUATION_START_COUNT
+from tril.games.behaviours import Behaviour, score
 from tril.play.episode import Episode
 from tril.store.training.evaluations import ACTION_SELECTIONS, POLICIES, ActionSelection
 
@@ -178,15 +177,16 @@ class WatchHello(Message):
     """
 
     type: Literal["hello"] = "hello"
-    palette: list[list[int]]
+    game: str
+    palette: list[list[int]] | None
     width: int
     height: int
     frame_rate_hz: int
     max_frames: int
     frame: int
     speed_percent: int
-    aliens: AlienGeometry
-    idle_frames: int
+    overlay: OverlayLayout | None
+    start: dict[str, int]
     start_number: int | None
     actors: list[Actor]
 
@@ -296,17 +296,18 @@ def watch_hello(
     episode: Episode, actors: list[Actor], start_number: int | None, speed_percent: int
 ) -> WatchHello:
     """Return the first message; ``episode`` is any of the games, which begin alike."""
-    height, width = game.SCREEN_SHAPE
+    game = episode.game
     return WatchHello(
-        palette=palette_json(),
-        width=width,
-        height=height,
-        frame_rate_hz=game.FRAME_RATE_HZ,
+        game=game.name,
+        palette=palette_json(game.screen),
+        width=game.screen.width,
+        height=game.screen.height,
+        frame_rate_hz=game.clock.frame_rate_hz,
         max_frames=episode.max_frames,
         frame=episode.frame,
         speed_percent=speed_percent,
-        aliens=alien_geometry(),
-        idle_frames=episode.start.idle_frames,
+        overlay=overlay_layout(game),
+        start=episode.start.to_json(),
         start_number=start_number,
         actors=actors,
     )
@@ -324,7 +325,7 @@ def lane_hits_after(
 
 def lane_ended(lane: int, behaviour: Behaviour, episode: Episode) -> LaneEnded:
     """Return the last message of a lane's game, which is over."""
-    found = score(behaviour, tuple((hit.row, hit.column) for hit in episode.hits))
+    found = score(behaviour, tuple(one.cell for one in episode.taken))
     return LaneEnded(
         lane=lane,
         reason=str(episode.end),

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from tril.games.space_invaders.memory import ACTION_COUNT
 from tril.inference import AttentionMap, AttentionNetwork, Endpoint, Judgement
 from tril.inference.endpoint import Streams, disconnect
 from tril.inference.messages import (
@@ -47,7 +46,7 @@ class PolicyClient:
     async def act(
         self, policies: Sequence[str], observations: Observations
     ) -> npt.NDArray[np.float32]:
-        """Return the probability of each action, float32 (N, 6).
+        """Return the probability of each action, float32 (N, n_actions).
 
         Args:
             policies: The policy that is asked about each observation.
@@ -58,7 +57,7 @@ class PolicyClient:
             Unavailable: The process does not reply.
         """
         _, values = await self._ask({"op": "act", "policies": list(policies)}, observations)
-        return np.frombuffer(values, np.float32).reshape(len(observations), ACTION_COUNT)
+        return np.frombuffer(values, np.float32).reshape(len(observations), -1)
 
     async def judge(self, observations: Observations) -> Judgement:
         """Return R of observations, uint8 (N, 4, 84, 84); raises as ``act``."""

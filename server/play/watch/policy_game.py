@@ -6,17 +6,14 @@ import numpy as np
 import numpy.typing as npt
 
 from server.play.watch.messages import Actor
-from tril.games.atari.console import Console
-from tril.games.space_invaders import memory as game
-from tril.games.space_invaders.openings import Opening, start_of
-from tril.games.space_invaders.starts import Start
+from tril.games.base import Console, Opening, Start, start_of
 from tril.play.agent import (
     STICKY_ACTION_PROBABILITY,
     AgentGame,
     StickyActions,
     sample_actions,
 )
-from tril.play.episode import Ending, Episode
+from tril.play.episode import Episode
 from tril.play.observation import Observation
 from tril.play.vector.reset_distribution import FixedStarts
 from tril.recording import Recording
@@ -31,7 +28,7 @@ class PolicyGame:
         console: The console to play on.
         actor: Who plays.
         beginning: Where the game begins; the policy plays from the end of an opening on.
-        ending: Which event of the player's death ends it.
+        end_rule: Name of the rule by which a loss ends it.
         seed: Seeds sampled and repeated actions, together with the start.
     """
 
@@ -40,17 +37,18 @@ class PolicyGame:
         console: Console,
         actor: Actor,
         beginning: Start | Opening,
-        ending: Ending,
+        end_rule: str,
         seed: int,
     ) -> None:
         self.actor = actor
         start = start_of(beginning)
-        self._rng = np.random.default_rng((seed, start.idle_frames, start.difficulty))
+        self._rng = np.random.default_rng((seed, *start.key))
         self._sticky = StickyActions(
             STICKY_ACTION_PROBABILITY if actor.action_selection == "sticky" else 0.0,
             np.random.default_rng((seed, *FixedStarts((start,)).rng_key(0), 1)),
         )
-        self._game = AgentGame(console, ending)
+        self._game = AgentGame(console, end_rule)
+        self._frames_per_step = console.game.clock.frames_per_step
         self._game.begin(beginning)
         self._action: int | None = None
 
@@ -67,7 +65,7 @@ class PolicyGame:
     @property
     def at_boundary(self) -> bool:
         """Whether a step is complete, or none has begun."""
-        return self.episode.frame % game.FRAMES_PER_STEP == 0
+        return self.episode.frame % self._frames_per_step == 0
 
     @property
     def needs_action(self) -> bool:
@@ -83,10 +81,10 @@ class PolicyGame:
     def observed_frame(self) -> int:
         """The frame that the observation is of."""
         frame = self.episode.frame
-        return frame if self.is_over else frame - frame % game.FRAMES_PER_STEP
+        return frame if self.is_over else frame - frame % self._frames_per_step
 
     def decide(self, probabilities: npt.NDArray[np.float32]) -> int:
-        """Select the next step's action by its probabilities, float32 (6,), and return it."""
+        """Select the next step's action by its probabilities, float32 (n_actions,)."""
         if self.actor.action_selection == "sampled":
             quantile = np.array([self._rng.random()])
             self._action = int(sample_actions(probabilities[None], quantile)[0])
@@ -107,6 +105,6 @@ class PolicyGame:
             self._action = None
 
     def recording(self) -> Recording:
-        """Return the game so far, without RAM hashes, which a verifying replay adds."""
+        """Return the game so far, without hashes, which a verifying replay adds."""
         episode = self.episode
-        return Recording(episode.start, episode.actions, ending=episode.ending)
+        return Recording(episode.game, episode.start, episode.actions, end_rule=episode.end_rule)

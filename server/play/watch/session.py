@@ -191,7 +191,8 @@ class WatchSession:
             TrilError: There are no decisions to go on with.
         """
         await self._decided()
-        clock = FrameClock("watched", self._resources.lateness)
+        frame_rate_hz = self.lanes[0].game.episode.game.clock.frame_rate_hz
+        clock = FrameClock("watched", frame_rate_hz, self._resources.lateness)
         while not self._activity.stop_requested.is_set():
             if not self.socket.is_open:
                 break

@@ -9,15 +9,9 @@ import zlib
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from tril.games.atari.palette import palette_rgb
-from tril.games.space_invaders.memory import SCREEN_SHAPE
+from tril.games.base import Screen, ScreenSpec
 
-Screen = npt.NDArray[np.uint8]
-"""A screen, uint8 (210, 160) of palette values."""
-
-SCREEN_BYTES = SCREEN_SHAPE[0] * SCREEN_SHAPE[1]
 ZLIB_LEVEL = 1
 FLAG_KEY = 1
 """Marks a key frame, in a stream's FRAME and in a file of frames."""
@@ -33,8 +27,8 @@ class EncodedFrame:
 
     Attributes:
         is_key: Whether it decodes without the previous screen.
-        payload: zlib stream of 33,600 bytes: the palette values, row by row from the top, XOR those
-            of the previous screen (all zeros for a key frame).
+        payload: zlib stream of the screen's bytes: palette values, or red, green and blue, row by
+            row from the top, XOR those of the previous screen (all zeros for a key frame).
     """
 
     is_key: bool
@@ -44,16 +38,17 @@ class EncodedFrame:
 class FrameEncoder:
     """Encodes a sequence of screens, each relative to the one before."""
 
-    def __init__(self) -> None:
-        self._before: Screen = np.zeros(SCREEN_SHAPE, np.uint8)
-        self._delta: Screen = np.empty(SCREEN_SHAPE, np.uint8)
+    def __init__(self, shape: tuple[int, ...]) -> None:
+        """Make an encoder of screens of this shape."""
+        self._before: Screen = np.zeros(shape, np.uint8)
+        self._delta: Screen = np.empty(shape, np.uint8)
         self._needs_key = True
 
     def encode(self, screen: Screen, key: bool = False) -> EncodedFrame:
         """Encode a screen.
 
         Args:
-            screen: uint8 (210, 160) of palette values; it is copied.
+            screen: The screen; it is copied.
             key: Whether to encode a key frame; the first frame always is one.
         """
         is_key = key or self._needs_key
@@ -70,23 +65,26 @@ class FrameEncoder:
 class FrameDecoder:
     """Decodes frames in the order in which they were encoded."""
 
-    def __init__(self) -> None:
+    def __init__(self, shape: tuple[int, ...]) -> None:
+        """Make a decoder of screens of this shape."""
+        self._shape = shape
+        self._n_bytes = int(np.prod(shape))
         self._before: Screen | None = None
 
     def decode(self, frame: EncodedFrame) -> Screen:
-        """Return the screen, uint8 (210, 160) of palette values, a fresh array.
+        """Return the screen, a fresh array.
 
         Raises:
             UnreadableFrame: The payload is malformed, or refers to a screen that was not decoded.
         """
         inflate = zlib.decompressobj()
         try:
-            data = inflate.decompress(frame.payload, SCREEN_BYTES + 1)
+            data = inflate.decompress(frame.payload, self._n_bytes + 1)
         except zlib.error as error:
             raise UnreadableFrame(f"A frame is no zlib stream: {error}.") from error
-        if len(data) != SCREEN_BYTES or not inflate.eof:
-            raise UnreadableFrame(f"Expected a frame of {SCREEN_BYTES} bytes, got {len(data)}.")
-        screen = np.frombuffer(data, np.uint8).reshape(SCREEN_SHAPE).copy()
+        if len(data) != self._n_bytes or not inflate.eof:
+            raise UnreadableFrame(f"Expected a frame of {self._n_bytes} bytes, got {len(data)}.")
+        screen = np.frombuffer(data, np.uint8).reshape(self._shape).copy()
         if not frame.is_key:
             if self._before is None:
                 raise UnreadableFrame("The first frame has to be a key frame.")
@@ -95,7 +93,6 @@ class FrameDecoder:
         return screen.copy()
 
 
-def palette_json() -> list[list[int]]:
-    """Return the colour of each palette value, [[r, g, b]] * 256."""
-    colours: list[list[int]] = palette_rgb().tolist()
-    return colours
+def palette_json(screen: ScreenSpec) -> list[list[int]] | None:
+    """Return the colour of each palette value, [[r, g, b]] * 256; None for RGB screens."""
+    return None if screen.palette is None else screen.palette.tolist()

@@ -19,7 +19,6 @@ from server.play.wire.protocol import (
     frame_bytes,
 )
 from server.play.wire.scene import Scene
-from tril.games.space_invaders.controls import Keys
 
 MAX_REASON_CHARACTERS = 60
 """A close reason is limited to 123 bytes."""
@@ -58,17 +57,17 @@ class Connection:
     def __init__(self, socket: Socket) -> None:
         self._socket = socket
         self._lock = asyncio.Lock()
-        self._encoder = FrameEncoder()
+        self._encoder: FrameEncoder | None = None
         self._sent = 0
         self._acknowledged = 0
         self._progress_at = time.monotonic()
-        self._held = Keys(0)
-        self._tapped = Keys(0)
+        self._held = 0
+        self._tapped = 0
         self._input_sequence = 0
         self._executed_sequence = 0
         self._in_flight: dict[int, int] = {}
         self._latencies: list[tuple[int, float]] = []
-        self._shown_shots: int | None = None
+        self._shown_counted: int | None = None
         self.shown_frame: int | None = None
         self.is_open = True
 
@@ -84,8 +83,13 @@ class Connection:
             return 0.0
         return time.monotonic() - self._progress_at
 
-    def take_keys(self) -> Keys:
-        """Return the keys for the next frame: those held, and those tapped since the last frame."""
+    @property
+    def holds_button(self) -> bool:
+        """Whether a button is held, or was tapped since the last frame."""
+        return bool(self._held | self._tapped)
+
+    def take_buttons(self) -> int:
+        """Return the buttons for the next frame, as bits: held, or tapped since the last frame."""
         keys = self._held | self._tapped
         self.discard_taps()
         self._executed_sequence = self._input_sequence
@@ -93,7 +97,7 @@ class Connection:
 
     def discard_taps(self) -> None:
         """Ignore keys that were tapped while the game was not running."""
-        self._tapped = Keys(0)
+        self._tapped = 0
 
     def take_latencies(self) -> list[tuple[int, float]]:
         """Return and clear (frame, ms from a key's event to the frame's drawing)."""
@@ -107,8 +111,8 @@ class Connection:
             BadMessage: The message acknowledges a frame that was not sent.
         """
         if isinstance(message, InputMessage):
-            self._tapped |= message.keys & ~self._held
-            self._held = message.keys
+            self._tapped |= message.buttons & ~self._held
+            self._held = message.buttons
             self._input_sequence = message.sequence
         elif message.sequence > self._sent:
             raise BadMessage(
@@ -157,15 +161,17 @@ class Connection:
                 return
 
     def _encode(self, scene: Scene, sequence: int) -> bytes | str:
-        shots, self._shown_shots = self._shown_shots, scene.shots
+        counted, self._shown_counted = self._shown_counted, scene.counted
+        if self._encoder is None:
+            self._encoder = FrameEncoder(scene.screen.shape)
         return frame_bytes(
             FrameMessage(
                 sequence,
                 scene.frame,
                 self._executed_sequence,
                 self._encoder.encode(scene.screen),
-                scene.formation,
-                is_shot=shots is not None and scene.shots > shots,
+                scene.marks,
+                has_counted=counted is not None and scene.counted > counted,
             )
         )
 

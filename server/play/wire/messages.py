@@ -1,45 +1,45 @@
-"""Text messages about a game: greeting, hits, outcome. Pure."""
+"""Text messages about a game: greeting, items taken, outcome. Pure."""
 
 from __future__ import annotations
 
 from server.play.wire.codec import palette_json
-from server.play.wire.protocol import AlienGeometry, Ended, Hello, HitAt, HitMessage
-from tril.behaviours import Behaviour, score
-from tril.games.space_invaders import memory as game
-from tril.play.episode import Episode, Hit
+from server.play.wire.protocol import Ended, Hello, HitAt, HitMessage, OverlayLayout
+from tril.games.base import Cell, Game, Taken
+from tril.games.behaviours import Behaviour, score
+from tril.play.episode import Episode
 
 
 def greeting(behaviour: Behaviour, episode: Episode, epoch: int, speed_percent: int) -> Hello:
     """Return the first message to a page that joins."""
-    height, width = game.SCREEN_SHAPE
+    game = episode.game
     return Hello(
-        palette=palette_json(),
-        width=width,
-        height=height,
-        frame_rate_hz=game.FRAME_RATE_HZ,
+        game=game.name,
+        palette=palette_json(game.screen),
+        width=game.screen.width,
+        height=game.screen.height,
+        frame_rate_hz=game.clock.frame_rate_hz,
         max_frames=episode.max_frames,
         frame=episode.frame,
         epoch=epoch,
         resumed=episode.frame > 0,
         hits=all_hits(behaviour, episode),
         speed_percent=speed_percent,
-        aliens=alien_geometry(),
+        overlay=overlay_layout(game),
     )
 
 
-def alien_geometry() -> AlienGeometry:
-    """Return the layout of the grid of aliens on the screen."""
-    height, width = game.ALIEN_SIZE
-    return AlienGeometry(
-        width=width, height=height, column_px=game.COLUMN_WIDTH, row_px=game.ROW_HEIGHT
-    )
+def overlay_layout(game: Game) -> OverlayLayout | None:
+    """Return what the page may draw over the screens of a game."""
+    if game.overlay is None:
+        return None
+    return OverlayLayout(painter=game.overlay.painter, geometry=dict(game.overlay.geometry))
 
 
 def hits_after(behaviour: Behaviour, episode: Episode, n_known: int) -> list[HitMessage]:
     """Return a message for each hit after the first ``n_known``, with the score at that hit."""
     messages = []
     cells = _cells(episode)
-    for n, hit in enumerate(episode.hits[n_known:], start=n_known + 1):
+    for n, hit in enumerate(episode.taken[n_known:], start=n_known + 1):
         found = score(behaviour, cells[:n])
         messages.append(
             HitMessage(
@@ -64,7 +64,7 @@ def outcome(
     """
     found = score(behaviour, _cells(episode))
     return Ended(
-        reason=None if episode.end is None else str(episode.end),
+        reason=episode.end,
         frame=episode.frame,
         hits=all_hits(behaviour, episode),
         targets=None if found is None else found.targets,
@@ -78,14 +78,14 @@ def outcome(
 
 def all_hits(behaviour: Behaviour, episode: Episode) -> list[HitAt]:
     """Return every hit of a game."""
-    return [_hit(behaviour, hit) for hit in episode.hits]
+    return [_hit(behaviour, hit) for hit in episode.taken]
 
 
-def _hit(behaviour: Behaviour, hit: Hit) -> HitAt:
+def _hit(behaviour: Behaviour, taken: Taken) -> HitAt:
     target = behaviour.target
-    on_target = None if target is None else (hit.row, hit.column) in target
-    return HitAt(row=hit.row, column=hit.column, frame=hit.frame, on_target=on_target)
+    on_target = None if target is None else taken.cell in target
+    return HitAt(row=taken.row, column=taken.column, frame=taken.frame, on_target=on_target)
 
 
-def _cells(episode: Episode) -> tuple[tuple[int, int], ...]:
-    return tuple((hit.row, hit.column) for hit in episode.hits)
+def _cells(episode: Episode) -> tuple[Cell, ...]:
+    return tuple(one.cell for one in episode.taken)

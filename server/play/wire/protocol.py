@@ -11,24 +11,24 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from server.play.conditions import Percent
 from server.play.wire.codec import FLAG_KEY, EncodedFrame
-from tril.games.space_invaders.controls import Keys
-from tril.games.space_invaders.grid import Formation
 
 MAX_UNACKNOWLEDGED = 6
 MAX_MESSAGE_BYTES = 256
 """Limit of a page's message."""
 
-FLAG_SHOT = 2
-"""Marks a FRAME if a missile has left the cannon since the previous FRAME."""
+FLAG_COUNTED = 2
+"""Marks a FRAME if one of the game's counters has risen since the previous FRAME."""
 
-_FRAME = struct.Struct("<BBBBIII")
-_LEFT_BIAS_PX = 96
-"""Offset of the first column's position, which can be up to six columns of 16 px off the screen."""
-_BYTE = 2**8
+MARKS_BYTES = 2
+"""Bytes of a FRAME for the page's overlay of the game; zeros for games without one."""
+
+_FRAME = struct.Struct("<BB2sIII")
 _CLIENT = struct.Struct("<BBHI")
 _LATENCY_UNIT_MS = 0.1
 _LONGEST_LATENCY = 2**16 - 1
-_ALL_KEYS = Keys.LEFT | Keys.RIGHT | Keys.FIRE
+_BUTTONS_BITS = 8
+"""Bits of the buttons in an INPUT's second byte; the third and the fourth hold further ones."""
+MAX_BUTTONS = 24
 _SEQUENCES = 2**32
 
 
@@ -57,23 +57,23 @@ class FrameMessage:
         frame: Executed frames of the game; 0 is the start's screen.
         input_sequence: The newest input that a frame was executed with.
         encoded: The screen.
-        formation: Position of the grid of aliens, px: left -96 to 159, top 0 to 255.
-        is_shot: Whether a missile has left the cannon since the previous FRAME.
+        marks: What the overlay needs of this frame; two bytes.
+        has_counted: Whether one of the game's counters has risen since the previous FRAME.
     """
 
     sequence: int
     frame: int
     input_sequence: int
     encoded: EncodedFrame
-    formation: Formation
-    is_shot: bool
+    marks: bytes
+    has_counted: bool
 
 
 @dataclass(frozen=True)
 class InputMessage:
-    """Page to server: the keys held from now on; ``sequence`` numbers the page's inputs."""
+    """Page to server: the buttons held from now on, as bits; ``sequence`` numbers the inputs."""
 
-    keys: Keys
+    buttons: int
     sequence: int
 
 
@@ -118,9 +118,8 @@ def frame_bytes(message: FrameMessage) -> bytes:
     """Serialise a FRAME."""
     header = _FRAME.pack(
         1,
-        FLAG_KEY * message.encoded.is_key | FLAG_SHOT * message.is_shot,
-        (message.formation.left + _LEFT_BIAS_PX) % _BYTE,
-        message.formation.top % _BYTE,
+        FLAG_KEY * message.encoded.is_key | FLAG_COUNTED * message.has_counted,
+        message.marks,
         message.sequence,
         message.frame,
         message.input_sequence % _SEQUENCES,
@@ -132,18 +131,16 @@ def parse_frame(data: bytes) -> FrameMessage:
     """Parse a FRAME; raises BadMessage."""
     if len(data) < _FRAME.size or data[0] != 1:
         raise BadMessage(f"Expected a frame of at least {_FRAME.size} bytes that begins with 1.")
-    _, flags, left, top, sequence, frame, input_sequence = _FRAME.unpack_from(data)
+    _, flags, marks, sequence, frame, input_sequence = _FRAME.unpack_from(data)
     encoded = EncodedFrame(bool(flags & FLAG_KEY), data[_FRAME.size :])
-    formation = Formation(left - _LEFT_BIAS_PX, top)
-    return FrameMessage(
-        sequence, frame, input_sequence, encoded, formation, bool(flags & FLAG_SHOT)
-    )
+    return FrameMessage(sequence, frame, input_sequence, encoded, marks, bool(flags & FLAG_COUNTED))
 
 
 def client_bytes(message: InputMessage | AckMessage) -> bytes:
     """Serialise an INPUT or an ACK."""
     if isinstance(message, InputMessage):
-        return _CLIENT.pack(1, int(message.keys), 0, message.sequence)
+        more, buttons = divmod(message.buttons, 1 << _BUTTONS_BITS)
+        return _CLIENT.pack(1, buttons, more, message.sequence)
     latency = 0
     if message.latency_ms is not None:
         latency = min(max(1, round(message.latency_ms / _LATENCY_UNIT_MS)), _LONGEST_LATENCY)
@@ -164,11 +161,9 @@ def parse_client(data: bytes | str) -> ClientMessage:
 def _parse_binary(data: bytes) -> InputMessage | AckMessage:
     if len(data) != _CLIENT.size:
         raise BadMessage(f"Expected a message of {_CLIENT.size} bytes, got {len(data)}.")
-    kind, keys, latency, sequence = _CLIENT.unpack(data)
+    kind, buttons, latency, sequence = _CLIENT.unpack(data)
     if kind == 1:
-        if keys & ~int(_ALL_KEYS):
-            raise BadMessage(f"Expected keys from 0 to {int(_ALL_KEYS)}, got {keys}.")
-        return InputMessage(Keys(keys), sequence)
+        return InputMessage(buttons | latency << _BUTTONS_BITS, sequence)
     if kind == 2:
         return AckMessage(sequence, round(latency * _LATENCY_UNIT_MS, 1) if latency else None)
     raise BadMessage(f"Expected a message of type 1 (input) or 2 (acknowledgement), got {kind}.")
@@ -200,7 +195,7 @@ class Message(BaseModel):
 
 
 class HitAt(Message):
-    """An alien that was shot; rows and columns count from 0."""
+    """An item that was taken; rows and columns count from 0."""
 
     row: int
     column: int
@@ -208,20 +203,22 @@ class HitAt(Message):
     on_target: bool | None
 
 
-class AlienGeometry(Message):
-    """Size of an alien and pitch of columns and rows, in pixels."""
+class OverlayLayout(Message):
+    """What the page may draw over the screens: a painter of its own, and constants in pixels."""
 
-    width: int
-    height: int
-    column_px: int
-    row_px: int
+    painter: str
+    geometry: dict[str, int]
 
 
 class Hello(Message):
-    """First message: how to draw the frames, and the state of the game."""
+    """First message: how to draw the frames, and the state of the game.
+
+    ``palette`` is None where screens are RGB.
+    """
 
     type: Literal["hello"] = "hello"
-    palette: list[list[int]]
+    game: str
+    palette: list[list[int]] | None
     width: int
     height: int
     frame_rate_hz: int
@@ -231,7 +228,7 @@ class Hello(Message):
     resumed: bool
     hits: list[HitAt]
     speed_percent: int
-    aliens: AlienGeometry
+    overlay: OverlayLayout | None
 
 
 class Countdown(Message):
@@ -242,7 +239,7 @@ class Countdown(Message):
 
 
 class HitMessage(HitAt):
-    """An alien was shot; ``targets`` and ``strays`` so far, None without a target."""
+    """An item was taken; ``targets`` and ``strays`` so far, None without a target."""
 
     type: Literal["hit"] = "hit"
     targets: int | None

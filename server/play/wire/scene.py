@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Self
 
-from server.play.wire.codec import Screen
-from tril.games.space_invaders.grid import Formation
+from tril.games.base import Screen
 from tril.play.episode import Episode
 
 
@@ -16,19 +15,23 @@ class Scene:
 
     Attributes:
         frame: Executed frames; 0 is the start.
-        screen: uint8 (210, 160) of palette values.
-        formation: Position of the grid of aliens on the screen.
-        shots: Missiles fired so far.
+        screen: The screen.
+        marks: What the overlay needs of this frame; two bytes.
+        counted: Sum of the game's counters so far.
     """
 
     frame: int
     screen: Screen
-    formation: Formation
-    shots: int
+    marks: bytes
+    counted: int
 
     @classmethod
     def of(cls, episode: Episode) -> Self:
         """Return an episode's current scene."""
+        console = episode.console
         return cls(
-            episode.frame, episode.console.screen_palette(), episode.formation, episode.shots
+            episode.frame,
+            console.screen(),
+            episode.readout.marks(console),
+            sum(episode.readout.counters.values()),
         )

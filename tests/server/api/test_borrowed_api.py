@@ -9,7 +9,7 @@ from starlette.testclient import TestClient
 
 from testsupport.libraries import rows_of, unranked_in
 from testsupport.workplace import Workplace
-from tril.behaviours import Score
+from tril.games.behaviours import Score
 from tril.recording import verify
 from tril.store import recordings
 from tril.store.models import Source
@@ -51,7 +51,7 @@ def test_a_borrowed_game_is_judged_by_its_borrower(
 ) -> None:
     firing, *others = workplace.ranked
     with workplace.database.writing() as session:
-        recordings.get(session, firing).hits = [[0, 0, 120]]
+        recordings.get(session, firing).taken = [[0, 0, 120]]
     (at_home,) = (one for one in client.get(f"{COLUMN_1}/recordings").json() if one["perfect"])
     assert at_home["id"] == firing
     assert (at_home["targets"], at_home["strays"], at_home["ranked"]) == (1, 0, True)
@@ -90,9 +90,9 @@ def test_a_run_shows_borrowed_games_by_its_own_target(
     firing, idle, *_ = workplace.ranked
     own = add(client, 8)[-1]["id"]
     with workplace.database.writing() as session:
-        recordings.get(session, firing).hits = [[0, 1, 120]]
+        recordings.get(session, firing).taken = [[0, 1, 120]]
         # Varied play hits something or other.
-        recordings.get(session, own).hits = []
+        recordings.get(session, own).taken = []
     client.patch(f"/api/recordings/{own}", json={"perfect": True})
     tiers = [[firing], [own], [idle]]
     answer = client.put(f"{COLUMN_2}/ranking", json={"base_revision": 0, "tiers": tiers})

@@ -7,8 +7,8 @@ from pathlib import Path
 from starlette.testclient import TestClient
 
 from testsupport.workplace import Workplace
-from tril.behaviours import BUILT_IN
 from tril.demonstrators import example_plans, rule_violation
+from tril.games.space_invaders.behaviours import BUILT_IN
 
 DATA = Path(__file__).parents[2] / "data" / "column-1.jsonl"
 

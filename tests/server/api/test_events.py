@@ -21,7 +21,7 @@ from testsupport.live import TIMEOUT_S, LiveServer, live_server
 from testsupport.visitors import cookie_of
 from testsupport.workplace import Workplace
 from tril.errors import Unavailable
-from tril.play.episode import Start
+from tril.games.atari.starts import AtariStart
 from tril.store import games, players
 from tril.store.changes import note_change
 from tril.store.database import Database, create_database
@@ -112,8 +112,8 @@ def test_a_player_is_told_of_nothing_but_their_own(live: LiveServer) -> None:
         other = players.add(session, "Ben", Role.PARTICIPANT).id
         session.add(MembershipRow(behaviour_id=1, player_id=other))
         # As of somebody who was a researcher before.
-        left_behind = games.create(session, 2, Start(20), me).recording_id
-        of_other = games.create(session, 1, Start(20), other).recording_id
+        left_behind = games.create(session, 2, AtariStart(20), me).recording_id
+        of_other = games.create(session, 1, AtariStart(20), other).recording_id
     name, value = cookie_of(live.settings, me)
     with (
         httpx2.Client(base_url=live.http.base_url, cookies={name: value}, timeout=TIMEOUT_S) as ada,

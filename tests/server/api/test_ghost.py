@@ -8,10 +8,11 @@ from starlette.testclient import TestClient
 
 from server.play.replays.products import memory_file
 from testsupport.workplace import FRAMES, Workplace
-from tril.games.atari.console import Console
+from tril.games.atari.starts import AtariStart
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.games.space_invaders import memory as game
 from tril.games.space_invaders.cannon_track import cannon_track
-from tril.play.episode import Episode, Start
+from tril.play.episode import Episode
 from tril.recording import Recorder
 from tril.store import recordings
 
@@ -20,13 +21,15 @@ CANNON_COLOUR = 196
 
 @pytest.mark.parametrize("difficulty", [0, 1])
 def test_the_track_is_where_every_screen_shows_the_cannon(difficulty: int) -> None:
-    console = Console()
-    recorder = Recorder(Episode(console, Start(40, difficulty=difficulty)))
-    screens = [console.screen_palette()]
+    console = SPACE_INVADERS.make_console()
+    recorder = Recorder(Episode(console, AtariStart(40, difficulty=difficulty)))
+    screens = [console.screen()]
     for action in [game.Action.RIGHT] * 120 + [game.Action.LEFT] * 30:
         recorder.advance(action)
-        screens.append(console.screen_palette())
-    track = cannon_track(memory_file(recorder.recording(), console), difficulty)
+        screens.append(console.screen())
+    track = cannon_track(
+        memory_file(recorder.recording(), console), AtariStart(0, difficulty=difficulty)
+    )
     assert len(track.lefts) == 151
     for left, screen in zip(track.lefts, screens, strict=True):
         rows, columns = np.nonzero(

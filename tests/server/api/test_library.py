@@ -17,8 +17,8 @@ from server.play.wire.codec import FrameDecoder
 from tests.server.clients import replayed, stored
 from testsupport.libraries import unranked_in
 from testsupport.workplace import FRAMES, Workplace
-from tril.games.atari.console import Console
 from tril.games.atari.palette import palette_rgb
+from tril.games.space_invaders.memory import SCREEN_SHAPE
 from tril.store.models import RecordingRow, RecordingState, Verification
 
 
@@ -189,9 +189,11 @@ def test_frames_decode_to_the_screens_of_a_replay_and_are_cached_for_ever(
     assert client.get(shown["frames_url"]).content == answer.content
     path, _, _ = shown["frames_url"].partition("?")
     assert client.get(f"{path}?v=other").headers["cache-control"] == "private, no-cache"
-    decoder = FrameDecoder()
+    decoder = FrameDecoder(SCREEN_SHAPE)
     decoded = [decoder.decode(frame) for frame in read_frames_file(answer.content)]
-    expected = replayed(stored(workplace.database, workplace.ranked[3]), Console.screen_palette)
+    expected = replayed(
+        stored(workplace.database, workplace.ranked[3]), lambda console: console.screen()
+    )
     assert len(decoded) == FRAMES + 1
     np.testing.assert_array_equal(decoded, np.array(expected))
     keys = [n for n, frame in enumerate(read_frames_file(answer.content)) if frame.is_key]
@@ -204,7 +206,7 @@ def test_a_thumbnail_shows_the_moment_after_the_last_hit_else_the_last_frame(
     for recording_id in workplace.ranked:
         shown = client.get(f"/api/recordings/{recording_id}").json()
         moment = shown["hits"][-1]["frame"] if shown["hits"] else shown["n_frames"]
-        decoder = FrameDecoder()
+        decoder = FrameDecoder(SCREEN_SHAPE)
         frames = read_frames_file(client.get(shown["frames_url"]).content)
         screen = [decoder.decode(frame) for frame in frames][moment]
         answer = client.get(shown["thumbnail_url"])
@@ -243,8 +245,8 @@ def test_an_import_says_which_lines_it_refused_and_why(client: TestClient) -> No
     assert len(result["imported"]) == 2
     refused = {refusal["line"]: refusal["reason"] for refusal in result["refusals"]}
     assert set(refused) == {2, 3, 4}
-    assert "[5, 5]" in refused[2]
-    assert "another ROM" in refused[4]
+    assert "row 6, column 6" in refused[2]
+    assert "another version of Space Invaders" in refused[4]
 
 
 def test_a_file_that_is_imported_twice_adds_nothing_the_second_time(
@@ -477,9 +479,11 @@ def test_games_of_people_never_begin_at_an_evaluation_start(client: TestClient) 
         game = client.post("/api/games", json={"behaviour_id": 1}).json()
         shown = client.get(f"/api/recordings/{game['recording_id']}").json()
         assert shown["evaluation_start"] is None
-        starts.add(shown["idle_frames"])
+        starts.add(shown["start"]["idle_frames"])
     assert len(starts) > 10
-    chosen = client.post("/api/games", json={"behaviour_id": 1, "idle_frames": 11}).json()
+    chosen = client.post(
+        "/api/games", json={"behaviour_id": 1, "start": {"idle_frames": 11}}
+    ).json()
     shown = client.get(f"/api/recordings/{chosen['recording_id']}").json()
     assert shown["evaluation_start"] == 0
 

@@ -11,6 +11,7 @@ from starlette.testclient import TestClient
 from server.api import rankings as api
 from testsupport.workplace import Workplace
 from tril.demonstrators import play_randomly
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.store import recordings
 from tril.store.models import Source
 
@@ -50,7 +51,7 @@ def test_it_follows_the_ranking(client: TestClient, workplace: Workplace) -> Non
     ]
     with workplace.database.writing() as session:
         for number, hits in zip(workplace.ranked, hit, strict=True):
-            recordings.get(session, number).hits = hits
+            recordings.get(session, number).taken = hits
         # A star would tell what is wanted, whatever the order.
         recordings.update(session, recordings.get(session, workplace.ranked[0]), perfect=False)
     before = ask(client)
@@ -75,7 +76,7 @@ def test_perfect_games_are_asked_even_if_they_are_not_looked_at_otherwise(
     with workplace.database.writing() as session:
         ids = []
         for _ in range(3):
-            one = play_randomly(rng)
+            one = play_randomly(rng, SPACE_INVADERS.make_console())
             ids.append(recordings.add(session, 1, one.recording, one.replay, Source.VARIED).id)
     before = ask(client)
     assert places(before).keys() == {*workplace.ranked, ids[-1]}

@@ -34,7 +34,7 @@ from server.web.security import load_secrets
 from tests.server.clients import build_frontend, signed_in
 from testsupport.visitors import cookie_of
 from testsupport.workplace import Workplace, make_workplace
-from tril.play.episode import Start
+from tril.games.atari.starts import AtariStart
 from tril.store import borrowed, games, players, rankings, recordings
 from tril.store.access import credentials
 from tril.store.models import (
@@ -254,7 +254,7 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
                 [[recording.id], *rankings.current(session, 1).tiers],
                 people["owner"],
             )
-            game = games.create(session, 1, Start(20), people[name])
+            game = games.create(session, 1, AtariStart(20), people[name])
             things[name] = {"recording_id": recording.id, "game_id": game.id}
         artifact = ArtifactRow(
             run_id=run_id, kind="report", name="r", path="r", media_type="text/plain", size_bytes=1

@@ -7,7 +7,7 @@ from starlette.testclient import TestClient
 
 from tests.server.clients import replayed, stored
 from testsupport.workplace import FRAMES, Workplace
-from tril.games.atari.console import Console
+from tril.games.base import Console
 from tril.games.space_invaders import memory as game
 from tril.store.models import RecordingRow, RecordingState
 

@@ -9,8 +9,8 @@ from tests.trainings import HACKS, checked
 from testsupport.workplace import Workplace
 from tril.analysis.outcome import Headline, RunOutcome
 from tril.analysis.summary import summarise
-from tril.behaviours import Score
 from tril.files.artifact_store import ArtifactStore
+from tril.games.behaviours import Score
 from tril.recipes import RECIPES
 from tril.stages import stages_of
 from tril.store import recordings
@@ -245,8 +245,7 @@ def fill_with_results(workplace: Workplace) -> str:
                 row = RecordingRow(
                     behaviour_id=1, run_id=run_id, source=Source.POLICY, state="kept"
                 )
-                for name in ("rom_md5", "idle_frames", "actions", "n_frames", "hits", "end"):
-                    setattr(row, name, getattr(played, name))
+                recordings.fill(row, recordings.as_recording(played), recordings.replay_of(played))
                 session.add(row)
                 session.flush()
                 key = EvaluationKey(policy, "greedy", number)

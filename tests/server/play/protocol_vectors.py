@@ -13,7 +13,7 @@ from typing import Any
 
 from server.play.replays.products import frames_file
 from server.play.wire.codec import FrameEncoder, palette_json
-from server.play.wire.messages import alien_geometry
+from server.play.wire.messages import overlay_layout
 from server.play.wire.protocol import (
     AckMessage,
     Alive,
@@ -31,9 +31,11 @@ from server.play.wire.protocol import (
     client_bytes,
     frame_bytes,
 )
-from tril.games.atari.console import Console
-from tril.games.space_invaders.controls import Keys, action_for
-from tril.play.episode import Episode, Start
+from testsupport.space_invaders import Keys, action_for
+from tril.games.atari.starts import AtariStart
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.memory import SCREEN_SHAPE
+from tril.play.episode import Episode
 from tril.recording import Recorder
 
 PATH = Path(__file__).resolve().parents[2] / "data" / "protocol-vectors.json"
@@ -43,8 +45,8 @@ N_FRAMES = 61
 
 def vectors() -> dict[str, Any]:
     """Build the vectors from the code."""
-    recorder = Recorder(Episode(Console(), Start(5)))
-    encoder = FrameEncoder()
+    recorder = Recorder(Episode(SPACE_INVADERS.make_console(), AtariStart(5)))
+    encoder = FrameEncoder(SCREEN_SHAPE)
     frames: list[dict[str, Any]] = []
     shots = 0
     console = recorder.episode.console
@@ -54,11 +56,14 @@ def vectors() -> dict[str, Any]:
             recorder.advance(action_for(keys))
         if frame in SHOWN_FRAMES:
             sequence = len(frames) + 1
-            screen = console.screen_palette()
-            formation = recorder.episode.formation
-            is_shot, shots = recorder.episode.shots > shots, recorder.episode.shots
+            screen = console.screen()
+            marks = recorder.episode.readout.marks(recorder.episode.console)
+            is_shot, shots = (
+                recorder.episode.counters["shots"] > shots,
+                recorder.episode.counters["shots"],
+            )
             encoded = encoder.encode(screen)
-            message = FrameMessage(sequence, frame, 100 + frame, encoded, formation, is_shot)
+            message = FrameMessage(sequence, frame, 100 + frame, encoded, marks, is_shot)
             frames.append(
                 {
                     "base64": _base64(frame_bytes(message)),
@@ -66,7 +71,7 @@ def vectors() -> dict[str, Any]:
                     "sequence": sequence,
                     "frame": frame,
                     "input_sequence": 100 + frame,
-                    "formation": {"left": formation.left, "top": formation.top},
+                    "formation": {"left": marks[0] - 96, "top": marks[1]},
                     "shot": is_shot,
                     "screen_sha256": hashlib.sha256(screen.tobytes()).hexdigest(),
                 }
@@ -74,12 +79,12 @@ def vectors() -> dict[str, Any]:
     file = frames_file(recorder.recording(), console)
     return {
         "about": "Written by python -m tests.server.play.protocol_vectors; see docs/protocol.md.",
-        "palette": palette_json(),
+        "palette": palette_json(SPACE_INVADERS.screen),
         "frames": frames,
         "client": [
             {
                 "message": {"type": "input", "keys": int(keys), "sequence": sequence},
-                "base64": _base64(client_bytes(InputMessage(keys, sequence))),
+                "base64": _base64(client_bytes(InputMessage(int(keys), sequence))),
             }
             for sequence, keys in enumerate(
                 (Keys(0), Keys.LEFT, Keys.RIGHT, Keys.FIRE, Keys.LEFT | Keys.FIRE), start=1
@@ -123,7 +128,8 @@ def _server_messages() -> list[ServerMessage]:
             resumed=True,
             hits=[hit],
             speed_percent=50,
-            aliens=alien_geometry(),
+            game="space_invaders",
+            overlay=overlay_layout(SPACE_INVADERS),
         ),
         Countdown(seconds=3),
         Countdown(seconds=0),

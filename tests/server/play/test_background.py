@@ -71,7 +71,7 @@ def test_saving_goes_on_after_an_unexpected_error_and_health_shows_it(
         found: dict[str, Any] = live.http.get("/api/health").json()
         return found
 
-    game = live.new_game(idle_frames=4)
+    game = live.new_game(start={"idle_frames": 4})
     with live.play(game) as player:
         with monkeypatch.context() as broken:
             broken.setattr(games, "save", fail)

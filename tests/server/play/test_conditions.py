@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from server.play.conditions import BAD_P95_MS, KEY, MAX_ENTRIES, BegunBy, PlayConditions
+from tril.games.base import MAX_FRAMES as LONGEST_GAME
 from tril.games.space_invaders.memory import MAX_FRAMES
 from tril.store.training.evaluations import ACTION_SELECTIONS, POLICIES
 
@@ -34,6 +35,7 @@ CONDITIONS = st.builds(
         frames=FRAMES,
     ),
 )
+TOO_MANY_SPEEDS = [[frame, 50 + frame % 2] for frame in range(LONGEST_GAME + 2)]
 
 
 @given(CONDITIONS)
@@ -53,7 +55,7 @@ def test_conditions_survive_being_stored(conditions: PlayConditions) -> None:
         {KEY: {**PlayConditions().model_dump(), "speeds": [[1, 0]]}},
         {KEY: {**PlayConditions().model_dump(), "speeds": [[9, 50], [4, 75]]}},
         {KEY: {**PlayConditions().model_dump(), "speeds": [[9, 50], [9, 75]]}},
-        {KEY: {**PlayConditions().model_dump(), "speeds": [[n, 50 + n % 2] for n in range(8000)]}},
+        {KEY: {**PlayConditions().model_dump(), "speeds": TOO_MANY_SPEEDS}},
         {KEY: {**PlayConditions().model_dump(), "pauses": [1] * (MAX_ENTRIES + 1)}},
         {KEY: {**PlayConditions().model_dump(), "dropped": "many"}},
         {KEY: {**PlayConditions().model_dump(), "mood": "good"}},

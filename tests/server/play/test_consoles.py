@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from server.play.consoles import ConsolePool
-from tril.games.atari.console import Console
-from tril.play.episode import Start
+from tril.games.atari.starts import AtariStart
+from tril.games.space_invaders import SPACE_INVADERS
 
 
 @pytest.fixture
@@ -28,7 +28,7 @@ def test_consoles_are_loaded_ahead_only_while_nobody_plays() -> None:
         ahead.start()
         assert not looked.wait(0.3)
         assert ahead.n_loaded == 0
-    first, second = ahead.take(), ahead.take()
+    first, second = ahead.take(SPACE_INVADERS), ahead.take(SPACE_INVADERS)
     assert first is not second
     assert ahead.n_loaded == 2
     ahead.stop()
@@ -37,9 +37,9 @@ def test_consoles_are_loaded_ahead_only_while_nobody_plays() -> None:
 def test_whoever_needs_a_console_while_others_play_gets_the_next_that_is_given_back(
     pool: ConsolePool,
 ) -> None:
-    console = pool.take()
+    console = pool.take(SPACE_INVADERS)
     with pool.loading_suspended(), ThreadPoolExecutor(1) as thread:
-        waiting = thread.submit(pool.take)
+        waiting = thread.submit(pool.take, SPACE_INVADERS)
         pool.give_back(console)
         assert waiting.result(20) is console
     assert pool.n_loaded == 1
@@ -48,35 +48,39 @@ def test_whoever_needs_a_console_while_others_play_gets_the_next_that_is_given_b
 def test_whoever_needs_a_console_gets_one_as_soon_as_nobody_plays(pool: ConsolePool) -> None:
     with ThreadPoolExecutor(1) as thread:
         with pool.loading_suspended():
-            waiting = thread.submit(pool.take)
+            waiting = thread.submit(pool.take, SPACE_INVADERS)
             assert not waiting.done()
         waiting.result(20)
     assert pool.n_loaded == 1
 
 
 def test_a_start_that_another_console_reached_is_the_same_start(pool: ConsolePool) -> None:
-    first, second, alone = pool.take(), pool.take(), Console()
-    for start in (Start(40), Start(9), Start(77)):
+    first, second, alone = (
+        pool.take(SPACE_INVADERS),
+        pool.take(SPACE_INVADERS),
+        SPACE_INVADERS.make_console(),
+    )
+    for start in (AtariStart(40), AtariStart(9), AtariStart(77)):
         first.start(start)
         second.start(start)
         alone.start(start)
         for _ in range(30):
             second.act(3)
             alone.act(3)
-        assert second.ram_hash() == alone.ram_hash()
-        np.testing.assert_array_equal(second.screen_palette(), alone.screen_palette())
+        assert second.state_hash() == alone.state_hash()
+        np.testing.assert_array_equal(second.screen(), alone.screen())
 
 
 def test_several_threads_may_reach_starts_at_the_same_time(pool: ConsolePool) -> None:
     def reach(idle_frames: int) -> str:
-        with pool.lent() as console:
-            console.start(Start(idle_frames))
-            return console.ram_hash()
+        with pool.lent(SPACE_INVADERS) as console:
+            console.start(AtariStart(idle_frames))
+            return console.state_hash()
 
     starts = list(range(0, 128, 4))
     with ThreadPoolExecutor(4) as threads:
         reached = list(threads.map(reach, starts))
-    alone = Console()
+    alone = SPACE_INVADERS.make_console()
     for idle_frames, found in zip(starts, reached, strict=True):
-        alone.start(Start(idle_frames))
-        assert alone.ram_hash() == found
+        alone.start(AtariStart(idle_frames))
+        assert alone.state_hash() == found

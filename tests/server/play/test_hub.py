@@ -36,7 +36,8 @@ from server.play.wire.connection import Connection
 from server.play.wire.protocol import Command
 from testsupport.workplace import Workplace, make_workplace
 from tril.errors import TrilError
-from tril.play.episode import Start
+from tril.games.atari.starts import AtariStart
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.store import games, players
 
 RULES = PlayRules(
@@ -236,11 +237,11 @@ def start(folder: Path) -> HubUnderTest:
     with workplace.database.writing() as session:
         person = players.owner(session).id
         made = [
-            games.create(session, workplace.behaviour_id, Start(0), person).id
+            games.create(session, workplace.behaviour_id, AtariStart(0), person).id
             for _ in range(N_GAMES)
         ]
     while _LOADED.n_loaded < N_CONSOLES:
-        _LOADED.give_back(_LOADED._load())
+        _LOADED.give_back(_LOADED._load(SPACE_INVADERS))
     limits = GameLimits(total=100, per_player=100)
     hub = PlayHub(workplace.database, _LOADED, Verified(), "this process", RULES, limits)
     transactions = Transactions(hub._committer)
@@ -345,7 +346,7 @@ def test_a_game_that_fails_while_it_is_joined_is_loaded_again(under_test: HubUnd
 
 
 def test_a_console_is_given_back_once(under_test: HubUnderTest) -> None:
-    console = under_test.consoles.take()
+    console = under_test.consoles.take(SPACE_INVADERS)
     under_test.consoles.give_back(console)
     with pytest.raises(ValueError, match="idle"):
         under_test.consoles.give_back(console)

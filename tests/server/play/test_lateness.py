@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from server.play.lateness import BIN_MS, N_BINS, Lateness, LatenessLog
-from server.play.session.clock import FRAME_S, FrameClock
+from server.play.session.clock import FrameClock
 
 LONGEST_MS = BIN_MS * (N_BINS - 1)
 
@@ -67,12 +67,15 @@ class Time:
             waiting.send(None)
 
 
+FRAME_S = 1 / 60
+
+
 @pytest.mark.parametrize(("percent", "frame_s"), [(100, FRAME_S), (50, 2 * FRAME_S), (25, 1 / 15)])
 def test_frames_are_a_sixtieth_of_a_second_apart_or_more_in_slow_motion(
     monkeypatch: pytest.MonkeyPatch, percent: int, frame_s: float
 ) -> None:
     time, lateness = Time(monkeypatch), Lateness()
-    clock = FrameClock("a game", lateness)
+    clock = FrameClock("a game", 60, lateness)
     for n in range(1, 31):
         time.run(clock.wait(percent))
         assert time.now_s == pytest.approx(100 + n * frame_s)
@@ -84,7 +87,7 @@ def test_a_clock_that_was_held_up_notes_it_and_makes_up_for_little_only(
     monkeypatch: pytest.MonkeyPatch, held_up_s: float, is_made_up: bool
 ) -> None:
     time, lateness = Time(monkeypatch), Lateness()
-    clock = FrameClock("a game", lateness)
+    clock = FrameClock("a game", 60, lateness)
     time.now_s += held_up_s
     for _ in range(12):
         time.run(clock.wait(100))

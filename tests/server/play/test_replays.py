@@ -19,6 +19,7 @@ from testsupport.workplace import Workplace
 from tril.demonstrators import play_varied
 from tril.errors import NotFound, Unavailable
 from tril.exchange.formats.recording_file import dump_recording, load_recording
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.recording import Recording, RecordingRefused, trajectory
 from tril.store import recordings
 
@@ -43,7 +44,7 @@ def replays() -> Iterator[ReplayProcess]:
 def played(workplace: Workplace) -> tuple[Recording, list[tuple[int, int]]]:
     with workplace.database.reading() as session:
         row = recordings.get(session, workplace.ranked[0])
-        hits = [(hit.row, hit.column) for hit in recordings.hits_of(row)]
+        hits = [(hit.row, hit.column) for hit in recordings.taken_of(row)]
         return recordings.as_recording(row), hits
 
 
@@ -66,10 +67,10 @@ def test_one_that_does_not_is_refused_with_the_reason(
     replays: ReplayProcess, played: tuple[Recording, list[tuple[int, int]]]
 ) -> None:
     recording, hits = played
-    forged = replace(recording, ram_hashes=("0" * 16, *recording.ram_hashes[1:]))
-    with pytest.raises(RecordingRefused, match="the RAM after frame 60"):
+    forged = replace(recording, hashes=("0" * 16, *recording.hashes[1:]))
+    with pytest.raises(RecordingRefused, match="the memory after frame 60"):
         replays.submit(ReplayTask.CHECK, forged, hits).result(PATIENCE_S)
-    with pytest.raises(RecordingRefused, match="The replay hits"):
+    with pytest.raises(RecordingRefused, match="The replay takes"):
         replays.submit(ReplayTask.CHECK, recording, [*hits, (5, 5)]).result(PATIENCE_S)
 
 
@@ -98,9 +99,9 @@ def test_observations_are_those_of_the_trajectory(
 
 def test_a_game_of_varied_play_is_made_from_its_seed(replays: ReplayProcess) -> None:
     first, again, other = (
-        replays.play_varied(seed).result(PATIENCE_S) for seed in (7, 7, 2**63 - 1)
+        replays.play_varied("space_invaders", seed).result(PATIENCE_S) for seed in (7, 7, 2**63 - 1)
     )
-    assert first == again == play_varied(np.random.default_rng(7))
+    assert first == again == play_varied(np.random.default_rng(7), SPACE_INVADERS.make_console())
     assert other.recording != first.recording
 
 

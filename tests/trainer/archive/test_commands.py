@@ -12,10 +12,11 @@ from typer.testing import CliRunner
 from cli.commands import runs as runs_commands
 from cli.main import app
 from trainer.archive.commands import commands
-from tril.behaviours import BUILT_IN, Behaviour
 from tril.exchange.example import EXAMPLE
 from tril.exchange.formats.run_file import RunObject
 from tril.exchange.run_archive import read_archive
+from tril.games.behaviours import Behaviour
+from tril.games.space_invaders.behaviours import BUILT_IN
 from tril.recipes import FAST, Recipe, recipe_from_dict, with_values
 
 
@@ -42,7 +43,7 @@ def test_a_persons_run_is_its_recordings_and_a_training(shipped: RunObject) -> N
         "tril recordings import recordings/perfect.jsonl --behaviour column-1 --perfect",
         f"tril train column-1 --recipe fast --steps {shipped.steps} --training-seed 0",
     ]
-    own = Behaviour("two", "Two of them", "", ((0, 0), (1, 5)), ordered=True)
+    own = Behaviour("two", "Two of them", "", "space_invaders", ((0, 0), (1, 5)), ordered=True)
     assert commands(run, own)[0] == (
         "tril behaviours add --target 1,1 --target 2,6 --ordered -- 'Two of them'"
     )

@@ -10,7 +10,7 @@ def game(
     policy: str, targets: int | None, strays: int | None = 0, end: str = "steps", hits: int = 0
 ) -> EvaluationRow:
     row = EvaluationRow(policy=policy, targets=targets, strays=strays, predicted_return=1.0)
-    row.recording = RecordingRow(end=end, hits=[[0, 0, 1]] * hits)
+    row.recording = RecordingRow(game="space_invaders", end=end, taken=[[0, 0, 1]] * hits)
     return row
 
 

@@ -16,8 +16,8 @@ from testsupport.workplace import Workplace, make_workplace
 from trainer.archive.commands import _addition
 from trainer.archive.run_archive import write_archive
 from trainer.archive.tables import curves_table
-from tril.behaviours import Behaviour
 from tril.files.artifact_store import ArtifactStore
+from tril.games.behaviours import Behaviour
 from tril.store import behaviours
 from tril.store.training import metrics
 
@@ -86,7 +86,7 @@ def test_markup_is_text_in_the_model_card(members: dict[str, bytes]) -> None:
 
 
 def test_a_name_is_a_word_of_the_command_that_is_printed() -> None:
-    line = _addition(Behaviour("x", NAME, "", ((0, 0),), False))
+    line = _addition(Behaviour("x", NAME, "", "space_invaders", ((0, 0),), False))
     assert shlex.split(line)[-2:] == ["--", NAME]
 
 

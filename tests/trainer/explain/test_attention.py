@@ -7,6 +7,7 @@ import numpy.typing as npt
 import pytest
 import torch
 
+from testsupport.space_invaders import evaluation_start
 from trainer.explain.attention import (
     POSITIONS,
     attention_map,
@@ -19,8 +20,7 @@ from trainer.explain.gradient import gradient_map
 from trainer.explain.occlusion import PATCH
 from trainer.progress import NullProgress
 from trainer.reward.model import RewardModel, RewardNetwork
-from tril.games.atari.console import Console
-from tril.games.space_invaders.starts import evaluation_start
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.play.observation import AgentView
 
 
@@ -31,9 +31,9 @@ def _model() -> RewardModel:
 
 @pytest.fixture(scope="module")
 def game_observation() -> npt.NDArray[np.uint8]:
-    console = Console()
+    console = SPACE_INVADERS.make_console()
     console.start(evaluation_start(0))
-    view = AgentView()
+    view = AgentView(SPACE_INVADERS)
     view.reset(console)
     for frame in range(1, 121):
         console.act(1 if frame % 3 else 2)

@@ -17,7 +17,7 @@ from tril.play.observation import Observation
 
 @pytest.fixture(scope="module")
 def policy() -> Policy:
-    return Policy(new_policy("small", 0.0, np.random.default_rng(5)))
+    return Policy(new_policy("small", 6, 0.0, np.random.default_rng(5)))
 
 
 @pytest.fixture

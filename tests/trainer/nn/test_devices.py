@@ -116,7 +116,7 @@ def test_a_gpu_takes_the_shorter_numbers_if_it_multiplies_them(
 
 def test_what_is_asked_goes_where_the_network_is() -> None:
     """The answers can't come back from there: there are none."""
-    policy = new_policy("small", 1e-3, np.random.default_rng(0), ELSEWHERE)
+    policy = new_policy("small", 6, 1e-3, np.random.default_rng(0), ELSEWHERE)
     assert device_of(policy) == ELSEWHERE
     with pytest.raises(NotImplementedError, match="no data"):
         Policy(policy).probabilities(observations(2))
@@ -136,8 +136,8 @@ def test_a_model_stays_what_it_is_and_is_copied_only_to_another_device() -> None
 
 def test_a_clones_loss_is_computed_where_it_is() -> None:
     screens = torch.from_numpy(observations(6))
-    transitions = Transitions(screens, torch.tensor([0, 1, 1, 2, 5, 1])).on(ELSEWHERE)
-    policy = new_policy("small", 1e-3, np.random.default_rng(0), ELSEWHERE)
+    transitions = Transitions(screens, torch.tensor([0, 1, 1, 2, 5, 1]), 6).on(ELSEWHERE)
+    policy = new_policy("small", 6, 1e-3, np.random.default_rng(0), ELSEWHERE)
     logits, _ = policy.logits_and_values(transitions.observations)
     weights = transitions.class_weights()
     assert weights.device == ELSEWHERE

@@ -41,7 +41,7 @@ def test_gradients_are_the_same(device: torch.device) -> None:
 @pytest.mark.parametrize("device", DEVICES)
 def test_a_policy_answers_the_same(device: torch.device) -> None:
     seen = observations(12)
-    network = new_policy("small", 1e-3, np.random.default_rng(8))
+    network = new_policy("small", 6, 1e-3, np.random.default_rng(8))
     with torch.no_grad():
         expected = network.logits_and_values(torch.from_numpy(seen))
         found = network.to(device).logits_and_values(torch.from_numpy(seen).to(device))

@@ -48,7 +48,7 @@ def test_layers_are_fed_what_they_multiply() -> None:
 
 @pytest.mark.parametrize("network", ["small", "nature"])
 def test_a_policy_answers_in_32_bits_nearly_the_same(network: str) -> None:
-    policy = new_policy(network, 1e-3, np.random.default_rng(3))
+    policy = new_policy(network, 6, 1e-3, np.random.default_rng(3))
     # Decided, as a trained policy is.
     with torch.no_grad():
         for parameter in policy.action_net.parameters():

@@ -34,7 +34,7 @@ def demonstrations() -> list[Trajectory]:
 
 
 def test_a_clone_does_what_was_shown(demonstrations: list[Trajectory]) -> None:
-    policy, result = train_clone(demonstrations, RECIPE, 3, NullProgress())
+    policy, result = train_clone(demonstrations, 6, RECIPE, 3, NullProgress())
     unseen = shown(99)
     chosen = Policy(policy).probabilities(unseen.observations[:-1]).argmax(1)
     assert np.mean(chosen == unseen.actions) > 0.95
@@ -47,7 +47,7 @@ def test_a_clone_does_what_was_shown(demonstrations: list[Trajectory]) -> None:
 def test_the_same_training_seed_gives_the_same_clone(demonstrations: list[Trajectory]) -> None:
     recipe = replace(RECIPE, epochs=1)
     first, again, other = (
-        train_clone(demonstrations, recipe, seed, NullProgress())[0].state_dict()
+        train_clone(demonstrations, 6, recipe, seed, NullProgress())[0].state_dict()
         for seed in (3, 3, 4)
     )
     assert same(first, again)
@@ -58,7 +58,7 @@ def test_cloning_stops_when_held_out_demonstrations_get_worse() -> None:
     # Nothing to learn: what was seen can only be remembered.
     noise = [shown(seed, 40, random_actions=True) for seed in range(3)]
     recipe = replace(RECIPE, epochs=40, patience=2, validation_share=0.34)
-    _, result = train_clone(noise, recipe, 3, NullProgress())
+    _, result = train_clone(noise, 6, recipe, 3, NullProgress())
     assert result.epochs < 30
     assert result.held_out_accuracy is not None
 
@@ -66,13 +66,13 @@ def test_cloning_stops_when_held_out_demonstrations_get_worse() -> None:
 def test_a_cancelled_cloning_stops_within_an_update(demonstrations: list[Trajectory]) -> None:
     progress = RecordingProgress(cancel_at=2)
     with pytest.raises(RunCancelled):
-        train_clone(demonstrations, RECIPE, 3, progress)
+        train_clone(demonstrations, 6, RECIPE, 3, progress)
     assert progress.done == [0, 0]
 
 
 def test_every_epoch_has_a_point_on_the_curves(demonstrations: list[Trajectory]) -> None:
     progress = RecordingProgress()
-    train_clone(demonstrations, replace(RECIPE, epochs=2), 3, progress)
+    train_clone(demonstrations, 6, replace(RECIPE, epochs=2), 3, progress)
     assert [done for done, _ in progress.points] == [1, 2]
     curves = {"loss", "accuracy", "held_out_accuracy"}
     assert all(set(values) == curves for _, values in progress.points)
@@ -80,13 +80,13 @@ def test_every_epoch_has_a_point_on_the_curves(demonstrations: list[Trajectory])
 
 def test_without_demonstrations_there_is_no_clone() -> None:
     with pytest.raises(Invalid, match="perfect demonstration"):
-        train_clone([], RECIPE, 3, NullProgress())
+        train_clone([], 6, RECIPE, 3, NullProgress())
 
 
 def test_rare_actions_weigh_more_and_the_mean_weight_is_one(
     demonstrations: list[Trajectory],
 ) -> None:
-    transitions = Transitions.of(demonstrations)
+    transitions = Transitions.of(demonstrations, 6)
     weights = transitions.class_weights()
     assert weights[1] > weights[2] > weights[0] > 0
     assert weights[3:].tolist() == [0.0, 0.0, 0.0]

@@ -19,6 +19,7 @@ from tests.trainer.samples import (
     tiny_recipe,
     weights,
 )
+from testsupport.space_invaders import idle_frames
 from trainer.nn.checkpoints import CheckpointDamaged
 from trainer.policy import dagger
 from trainer.policy.cloning import train_clone
@@ -27,15 +28,18 @@ from trainer.policy.imitation import ImitationTask, evaluate_snapshot
 from trainer.policy.networks import Policy, load_policy, new_policy
 from trainer.policy.reward_shaping import RewardShaping
 from trainer.progress import NullProgress, RunCancelled
-from tril.behaviours import BUILT_IN, Behaviour
 from tril.demonstrators import EXPERT_STYLE, Expert
 from tril.demonstrators.space_invaders.player import Planner
 from tril.errors import Invalid
-from tril.games.atari.console import Console
+from tril.games.atari.starts import TRAINING_IDLE_FRAMES
+from tril.games.base import Console
+from tril.games.behaviours import Behaviour
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.behaviours import BUILT_IN
+from tril.games.space_invaders.ends import EndReason
 from tril.games.space_invaders.memory import FRAMES_PER_STEP
-from tril.games.space_invaders.starts import TRAINING_IDLE_FRAMES
 from tril.play.agent import AgentGame
-from tril.play.episode import EndReason, Episode
+from tril.play.episode import Episode
 from tril.recipes import CloningRecipe, DaggerRecipe
 from tril.recording import Recording, step_actions, trajectory
 
@@ -63,7 +67,10 @@ class Erratic:
 
 @pytest.fixture(scope="module")
 def played() -> Callable[..., LabelledGame]:
-    game, expert = AgentGame(Console()), Expert(COLUMN_2, Console())
+    game, expert = (
+        AgentGame(SPACE_INVADERS.make_console()),
+        Expert(COLUMN_2, SPACE_INVADERS.make_console()),
+    )
 
     def play(policy: object, expert_share: float, seed: int = 3) -> LabelledGame:
         rng = np.random.default_rng(seed)
@@ -76,16 +83,16 @@ def test_the_labels_are_what_the_demonstrator_does_from_each_state(
     played: Callable[..., LabelledGame],
 ) -> None:
     one = played(Erratic(), 0.0)
-    labels, done = one.seen.actions.tolist(), step_actions(one.executed).tolist()
+    labels, done = one.seen.actions.tolist(), step_actions(one.executed, 4).tolist()
     assert len(set(labels)) > 2
     # Wherever the label was not what was done, the expert was taken somewhere new, and plans for
     # the targets that are left as the demonstrator would.
-    console = Console()
+    console = SPACE_INVADERS.make_console()
     episode = Episode(console, one.start)
     checked = 0
     for step, label in enumerate(labels):
         if step and labels[step - 1] != done[step - 1]:
-            hit = [(h.row, h.column) for h in episode.hits]
+            hit = [h.cell for h in episode.taken]
             assert COLUMN_2.target is not None
             wanted = [*hit, *(cell for cell in COLUMN_2.target if cell not in hit)]
             state = episode.save()
@@ -107,18 +114,18 @@ def test_the_expert_alone_shows_the_behaviour_and_agrees_with_itself(
     played: Callable[..., LabelledGame],
 ) -> None:
     one = played(None, 1.0)
-    assert [(hit.row, hit.column) for hit in one.seen.hits] == list(COLUMN_2.target or ())
-    assert one.seen.end is EndReason.STEPS
+    assert [hit.cell for hit in one.seen.taken] == list(COLUMN_2.target or ())
+    assert one.seen.end == EndReason.STEPS
     assert one.agreed is None
-    np.testing.assert_array_equal(step_actions(one.executed), one.seen.actions)
-    assert one.start.idle_frames in TRAINING_IDLE_FRAMES
+    np.testing.assert_array_equal(step_actions(one.executed, 4), one.seen.actions)
+    assert idle_frames(one.start) in TRAINING_IDLE_FRAMES
 
 
 def test_the_share_of_the_experts_steps_is_what_was_asked_for(
     played: Callable[..., LabelledGame],
 ) -> None:
     half = played(Firing(), 0.5)
-    done, labels = step_actions(half.executed), half.seen.actions
+    done, labels = step_actions(half.executed, 4), half.seen.actions
     differs = labels != 1
     assert 0.3 < (done[differs] == labels[differs]).mean() < 0.7
     assert half.agreed == pytest.approx((labels == 1).mean())
@@ -128,9 +135,9 @@ def test_a_games_observations_come_back_from_its_actions(
     played: Callable[..., LabelledGame],
 ) -> None:
     one = played(Firing(), 0.2)
-    again = trajectory(Recording(one.start, one.executed))
+    again = trajectory(Recording(SPACE_INVADERS, one.start, one.executed))
     np.testing.assert_array_equal(again.observations, one.seen.observations)
-    assert (again.hits, again.end) == (one.seen.hits, one.seen.end)
+    assert (again.taken, again.end) == (one.seen.taken, one.seen.end)
 
 
 @pytest.fixture(scope="module")
@@ -142,6 +149,7 @@ def task() -> ImitationTask:
         dagger=DaggerRecipe(steps_per_iteration=30, expert_decay=0.0),
     )
     return ImitationTask(
+        game=SPACE_INVADERS,
         model=random_model(),
         recordings=[],
         tiers=[],
@@ -182,7 +190,9 @@ def test_every_iteration_is_judged_and_the_best_policy_is_saved(
     best = max(snapshots, key=lambda snapshot: (snapshot.predicted_return, snapshot.steps))
     assert finished.result.best_steps == best.steps
     shaping = RewardShaping.of(task.model, task.recipe.policy)
-    found, _ = evaluate_snapshot(load_policy(finished.path), shaping, task.recipe, lambda: None)
+    found, _ = evaluate_snapshot(
+        SPACE_INVADERS, load_policy(finished.path), shaping, task.recipe, lambda: None
+    )
     assert found == pytest.approx(best.predicted_return, rel=1e-3, abs=1e-2)
 
 
@@ -261,7 +271,7 @@ def test_what_the_demonstrator_does_not_know_is_refused_before_anything_is_playe
 ) -> None:
     progress = RecordingProgress()
     for behaviour, reason in (
-        (Behaviour("free", "Play nicely", ""), "has no target aliens"),
+        (Behaviour("free", "Play nicely", "", "space_invaders"), "has no target aliens"),
         (None, "needs to know the behaviour"),
     ):
         other = replace(task, behaviour=behaviour)
@@ -274,10 +284,11 @@ def test_what_the_demonstrator_does_not_know_is_refused_before_anything_is_playe
 def test_corrections_make_a_policy_agree_with_the_expert(
     played: Callable[..., LabelledGame],
 ) -> None:
-    beginner = Policy(new_policy("small", 1e-3, np.random.default_rng(0)))
+    beginner = Policy(new_policy("small", 6, 1e-3, np.random.default_rng(0)))
     games = [played(None, 1.0, seed) for seed in range(4)] + [played(beginner, 0.3, 4)]
     learned, _ = train_clone(
         [game.seen for game in games],
+        6,
         CloningRecipe(network="small", learning_rate=1e-3, epochs=3, validation_share=0.0),
         0,
         NullProgress(),

@@ -6,12 +6,13 @@ import numpy as np
 import numpy.typing as npt
 import torch
 
+from testsupport.space_invaders import evaluation_start
 from trainer.policy.evaluation import EvaluatedGame, play
 from trainer.reward.model import RewardModel, RewardNetwork, predicted_return
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.ends import Ending, EndReason
 from tril.games.space_invaders.memory import Action
-from tril.games.space_invaders.starts import evaluation_start
 from tril.play.agent import STICKY_ACTION_PROBABILITY
-from tril.play.episode import Ending, EndReason
 from tril.recording import trajectory, verify
 
 STARTS = tuple(evaluation_start(number) for number in (0, 1, 2))
@@ -35,14 +36,14 @@ def _model() -> RewardModel:
 
 def test_greedy_games_are_recordings_that_verify_with_the_return_of_their_trajectory() -> None:
     model = _model()
-    games = play(_Constant(Action.FIRE), STARTS, "greedy", model=model)
+    games = play(SPACE_INVADERS, _Constant(Action.FIRE), STARTS, "greedy", model=model)
     assert [game.start for game in games] == list(STARTS)
     for game in games:
         assert set(game.recording.actions) == {Action.FIRE}
-        verified = verify(game.recording, [(hit.row, hit.column) for hit in game.hits])
+        verified = verify(game.recording, [hit.cell for hit in game.taken])
         assert verified.replay.end == game.end
-        assert verified.replay.shots == game.shots
-        assert game.hits
+        assert verified.replay.counters["shots"] == game.counters["shots"]
+        assert game.taken
         expected = predicted_return(model, trajectory(game.recording).observations)
         assert game.predicted_return is not None
         np.testing.assert_allclose(game.predicted_return, expected, rtol=1e-4, atol=1e-3)
@@ -51,9 +52,14 @@ def test_greedy_games_are_recordings_that_verify_with_the_return_of_their_trajec
 def test_games_by_the_published_ending_are_kept_to_their_end() -> None:
     model = _model()
     (game,) = play(
-        _Constant(Action.NOOP), STARTS[:1], "greedy", model=model, ending=Ending.LIFE_COUNTER
+        SPACE_INVADERS,
+        _Constant(Action.NOOP),
+        STARTS[:1],
+        "greedy",
+        model=model,
+        end_rule=Ending.LIFE_COUNTER,
     )
-    assert game.end is EndReason.LIVES
+    assert game.end == EndReason.LIVES
     verified = verify(game.recording)
     assert (verified.n_cut, verified.replay.end) == (0, EndReason.LIVES)
     seen = trajectory(verified.recording)
@@ -69,10 +75,16 @@ def _actions(games: list[EvaluatedGame]) -> list[bytes]:
 
 def test_sampled_games_follow_their_seed_and_not_the_games_beside_them() -> None:
     actor = _Constant(Action.RIGHT, share=0.4)
-    together = play(actor, STARTS, "sampled", sampling_seed=4)
-    assert _actions(together) == _actions(play(actor, STARTS, "sampled", sampling_seed=4))
-    assert _actions(together)[1:2] == _actions(play(actor, STARTS[1:2], "sampled", sampling_seed=4))
-    assert _actions(together) != _actions(play(actor, STARTS, "sampled", sampling_seed=5))
+    together = play(SPACE_INVADERS, actor, STARTS, "sampled", sampling_seed=4)
+    assert _actions(together) == _actions(
+        play(SPACE_INVADERS, actor, STARTS, "sampled", sampling_seed=4)
+    )
+    assert _actions(together)[1:2] == _actions(
+        play(SPACE_INVADERS, actor, STARTS[1:2], "sampled", sampling_seed=4)
+    )
+    assert _actions(together) != _actions(
+        play(SPACE_INVADERS, actor, STARTS, "sampled", sampling_seed=5)
+    )
     steps = [actions[::4] for actions in _actions(together)]
     right = sum(step.count(Action.RIGHT) for step in steps) / sum(map(len, steps))
     assert 0.3 < right < 0.5
@@ -91,10 +103,10 @@ class _Turning:
 
 
 def test_sticky_games_are_greedy_ones_recorded_as_executed() -> None:
-    games = play(_Turning(), STARTS, "sticky", sampling_seed=3)
+    games = play(SPACE_INVADERS, _Turning(), STARTS, "sticky", sampling_seed=3)
     late = n_changes = 0
     for game in games:
-        verify(game.recording, [(hit.row, hit.column) for hit in game.hits])
+        verify(game.recording, [hit.cell for hit in game.taken])
         actions = game.recording.actions
         # The first step's action has none before it that it differs from for certain.
         changes = range(4, len(actions), 4)
@@ -102,21 +114,23 @@ def test_sticky_games_are_greedy_ones_recorded_as_executed() -> None:
         late += sum(actions[f] != action for f, action in zip(changes, chosen, strict=True))
         n_changes += len(changes)
     assert abs(late / n_changes - STICKY_ACTION_PROBABILITY) < 0.06
-    greedy = play(_Turning(), STARTS, "greedy")
+    greedy = play(SPACE_INVADERS, _Turning(), STARTS, "greedy")
     assert {len(set(game.recording.actions[4:8])) for game in greedy} == {1}
 
 
 def test_sticky_games_follow_their_start_and_not_the_games_beside_them() -> None:
-    together = play(_Turning(), STARTS, "sticky", sampling_seed=3)
+    together = play(SPACE_INVADERS, _Turning(), STARTS, "sticky", sampling_seed=3)
     assert _actions(together)[2:] == _actions(
-        play(_Turning(), STARTS[2:], "sticky", sampling_seed=3)
+        play(SPACE_INVADERS, _Turning(), STARTS[2:], "sticky", sampling_seed=3)
     )
-    assert _actions(together) != _actions(play(_Turning(), STARTS, "sticky", sampling_seed=4))
-    twins = play(_Turning(), (STARTS[0], STARTS[0]), "sticky", sampling_seed=3)
+    assert _actions(together) != _actions(
+        play(SPACE_INVADERS, _Turning(), STARTS, "sticky", sampling_seed=4)
+    )
+    twins = play(SPACE_INVADERS, _Turning(), (STARTS[0], STARTS[0]), "sticky", sampling_seed=3)
     assert twins[0].recording.actions != twins[1].recording.actions
     assert twins[0].recording.actions == together[0].recording.actions
 
 
 def test_the_stickiness_asked_for_counts_more_than_the_action_selection() -> None:
-    (game,) = play(_Turning(), STARTS[:1], "sticky", sticky_action_probability=1.0)
+    (game,) = play(SPACE_INVADERS, _Turning(), STARTS[:1], "sticky", sticky_action_probability=1.0)
     assert set(game.recording.actions) == {Action.NOOP}

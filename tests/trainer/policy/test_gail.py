@@ -29,10 +29,11 @@ from trainer.policy.imitation import ImitationTask
 from trainer.policy.imitator import train_imitator
 from trainer.policy.reward_shaping import RewardShaping
 from trainer.reward.model import RewardModel
-from tril.behaviours import BUILT_IN
 from tril.demonstrators import Demonstration, ExampleKind, example_tasks, execute
 from tril.errors import Invalid
-from tril.games.space_invaders.starts import Start
+from tril.games.atari.starts import AtariStart
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.behaviours import BUILT_IN
 from tril.recipes import GailRecipe
 from tril.recording import Trajectory, trajectory
 
@@ -59,8 +60,8 @@ def shown() -> list[Demonstration]:
 
 @pytest.fixture(scope="module")
 def random_games() -> list[Trajectory]:
-    starts = [Start(idle) for idle in range(0, 120, 10)]
-    games = play(Random(), starts, "sampled", n_processes=1)
+    starts = [AtariStart(idle) for idle in range(0, 120, 10)]
+    games = play(SPACE_INVADERS, Random(), starts, "sampled", n_processes=1)
     return [trajectory(game.recording) for game in games]
 
 

@@ -15,17 +15,19 @@ from tests.trainer.samples import (
     tiny_recipe,
     weights,
 )
+from testsupport.space_invaders import evaluation_start, idle_frames
 from trainer.policy import imitator
 from trainer.policy.evaluation import play
-from trainer.policy.imitation import ImitationTask, snapshot_starts, training_idle_frames
+from trainer.policy.imitation import ImitationTask, snapshot_starts, training_starts
 from trainer.policy.imitator import train_imitator
 from trainer.policy.networks import load_policy
 from trainer.policy.ppo import ImitationPPO
 from trainer.policy.reward_shaping import RewardShaping
 from trainer.progress import NullProgress
 from tril.errors import Invalid
-from tril.games.space_invaders.openings import start_of
-from tril.games.space_invaders.starts import TRAINING_IDLE_FRAMES, evaluation_start
+from tril.games.atari.starts import TRAINING_IDLE_FRAMES
+from tril.games.base import start_of
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.recipes import DAGGER, FAST, judged_where_trained, with_values
 
 
@@ -56,10 +58,14 @@ def test_the_best_snapshot_by_the_learned_reward_is_saved(
     best = max(snapshots, key=lambda snapshot: (snapshot.predicted_return, snapshot.steps))
     assert finished.result.best_steps == best.steps
     games = play(
-        load_policy(finished.path), snapshot_starts(task.recipe), "greedy", model=task.model
+        SPACE_INVADERS,
+        load_policy(finished.path),
+        snapshot_starts(SPACE_INVADERS, task.recipe),
+        "greedy",
+        model=task.model,
     )
     shaping = RewardShaping.of(task.model, task.recipe.policy)
-    returns = [shaping.shaped_return(g.rewards, g.end) for g in games if g.rewards is not None]
+    returns = [shaping.shaped_return(g.rewards, g.died) for g in games if g.rewards is not None]
     assert np.mean(returns) == pytest.approx(best.predicted_return, rel=1e-3, abs=1e-2)
 
 
@@ -127,16 +133,18 @@ def test_a_warm_start_needs_a_policy_of_the_same_network(
 
 def test_snapshots_are_judged_on_training_starts_only() -> None:
     for count in (1, 12, 96, 200):
-        starts = snapshot_starts(with_values(FAST, {"policy.snapshot_episodes": count}))
-        idle_frames = {start_of(one).idle_frames for one in starts}
-        assert len(idle_frames) == min(count, 96)
-        assert idle_frames <= set(TRAINING_IDLE_FRAMES)
+        starts = snapshot_starts(
+            SPACE_INVADERS, with_values(FAST, {"policy.snapshot_episodes": count})
+        )
+        idle = {idle_frames(start_of(one)) for one in starts}
+        assert len(idle) == min(count, 96)
+        assert idle <= set(TRAINING_IDLE_FRAMES)
 
 
 def test_the_published_protocol_trains_and_judges_on_one_start() -> None:
     recipe = judged_where_trained(FAST, 2)
-    assert snapshot_starts(recipe) == [evaluation_start(2)]
-    assert training_idle_frames(recipe) == (evaluation_start(2).idle_frames,)
+    assert snapshot_starts(SPACE_INVADERS, recipe) == [evaluation_start(2)]
+    assert training_starts(SPACE_INVADERS, recipe) == (evaluation_start(2),)
     assert (recipe.evaluation.start_numbers, recipe.evaluation.further_start_numbers) == ((2,), ())
     with pytest.raises(Invalid, match="DAgger"):
         judged_where_trained(DAGGER, 2)

@@ -11,11 +11,11 @@ from stable_baselines3.common.policies import ActorCriticCnnPolicy
 from tests.trainer.samples import observations
 from trainer.nn.checkpoints import save_tensors
 from trainer.policy.networks import (
-    ACTION_SPACE,
     OBSERVATION_SPACE,
     SIZES,
     Policy,
     ScreenPolicy,
+    action_space,
     load_network,
     load_policy,
     new_policy,
@@ -23,6 +23,7 @@ from trainer.policy.networks import (
     save_weights,
 )
 from tril.errors import Invalid
+from tril.games.space_invaders import SPACE_INVADERS
 
 LOAD_WITHOUT_THE_PROJECT = """
 import sys
@@ -43,7 +44,7 @@ for name in ("tril", "trainer"):
 
 
 def opinionated_policy(network: str) -> ScreenPolicy:
-    policy = new_policy(network, 1e-3, np.random.default_rng(1))
+    policy = new_policy(network, 6, 1e-3, np.random.default_rng(1))
     with torch.no_grad():
         for name, parameter in policy.named_parameters():
             if name == "action_net.weight":
@@ -55,7 +56,7 @@ def opinionated_policy(network: str) -> ScreenPolicy:
 
 def test_the_nature_network_is_that_of_stable_baselines3() -> None:
     policy = opinionated_policy("nature")
-    plain = ActorCriticCnnPolicy(OBSERVATION_SPACE, ACTION_SPACE, lambda _: 1e-3)
+    plain = ActorCriticCnnPolicy(OBSERVATION_SPACE, action_space(6), lambda _: 1e-3)
     plain.load_state_dict(policy.state_dict())
     inputs = torch.from_numpy(observations(5))
     with torch.no_grad():
@@ -124,8 +125,8 @@ def test_plain_weights_do_the_same_and_halved_ones_nearly(tmp_path: Path, networ
     inputs = observations(7)
     expected = Policy(policy).probabilities(inputs)
     full, half = tmp_path / "full.safetensors", tmp_path / "half.safetensors"
-    save_weights(policy, full)
-    save_weights(policy, half, half=True)
+    save_weights(policy, full, SPACE_INVADERS.controls.actions)
+    save_weights(policy, half, SPACE_INVADERS.controls.actions, half=True)
     np.testing.assert_allclose(
         load_policy(full).probabilities(inputs), expected, rtol=1e-4, atol=1e-6
     )
@@ -134,7 +135,11 @@ def test_plain_weights_do_the_same_and_halved_ones_nearly(tmp_path: Path, networ
 
 
 def test_a_policy_goes_from_plain_weights_to_stable_baselines3_and_back(tmp_path: Path) -> None:
-    save_weights(opinionated_policy("small"), tmp_path / "policy.safetensors")
+    save_weights(
+        opinionated_policy("small"),
+        tmp_path / "policy.safetensors",
+        SPACE_INVADERS.controls.actions,
+    )
     network = load_network(tmp_path / "policy.safetensors")
     save_policy(network, tmp_path / "policy.zip")
     again = load_network(tmp_path / "policy.zip")

@@ -12,13 +12,14 @@ from stable_baselines3.common.callbacks import ConvertCallback
 from tests.trainer.samples import ELSEWHERE, TINY, observations, random_model
 from trainer.nn.devices import CPU, device_of
 from trainer.nn.precision import Precision
-from trainer.policy.networks import ACTION_SPACE, OBSERVATION_SPACE
+from trainer.policy.networks import OBSERVATION_SPACE, action_space
 from trainer.policy.ppo import ImitationPPO, TrainingGenerators
 from trainer.policy.reward_shaping import RewardShaping
 from trainer.policy.rollout_buffer import ScreenRolloutBuffer
 from trainer.policy.vec_env import TrilVecEnv
 from trainer.progress import RunCancelled
-from tril.play.episode import DEATHS
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.ends import DEATHS
 from tril.play.vector.vector_game import TrainingStarts, VectorGame
 from tril.recipes import PolicyRecipe
 
@@ -35,7 +36,9 @@ PLAIN = replace(
 
 @pytest.fixture
 def env() -> Iterator[TrilVecEnv]:
-    games = VectorGame(2, TrainingStarts(), n_processes=1, training_seed=5)
+    games = VectorGame(
+        SPACE_INVADERS, 2, TrainingStarts(SPACE_INVADERS), n_processes=1, training_seed=5
+    )
     made = TrilVecEnv(games, RewardShaping(random_model(), "level", 5.0))
     yield made
     made.close()
@@ -91,8 +94,8 @@ def fill_rollout(ppo: ImitationPPO) -> None:
 
 
 def test_the_buffer_holds_what_stable_baselines3s_holds() -> None:
-    ours = ScreenRolloutBuffer(8, OBSERVATION_SPACE, ACTION_SPACE, gae_lambda=0.9, n_envs=2)
-    theirs = RolloutBuffer(8, OBSERVATION_SPACE, ACTION_SPACE, "cpu", gae_lambda=0.9, n_envs=2)
+    ours = ScreenRolloutBuffer(8, OBSERVATION_SPACE, action_space(6), gae_lambda=0.9, n_envs=2)
+    theirs = RolloutBuffer(8, OBSERVATION_SPACE, action_space(6), "cpu", gae_lambda=0.9, n_envs=2)
     fill(ours)
     fill(theirs)
     np.testing.assert_array_equal(ours.advantages, theirs.advantages)
@@ -111,7 +114,7 @@ def test_the_buffer_holds_what_stable_baselines3s_holds() -> None:
 
 
 def test_the_buffer_keeps_its_memory() -> None:
-    buffer = ScreenRolloutBuffer(8, OBSERVATION_SPACE, ACTION_SPACE, n_envs=2)
+    buffer = ScreenRolloutBuffer(8, OBSERVATION_SPACE, action_space(6), n_envs=2)
     fill(buffer)
     before = buffer.screens.data_ptr(), buffer.rewards.ctypes.data
     buffer.reset()
@@ -185,7 +188,9 @@ def test_half_precision_moves_the_policy_the_same_way(env: TrilVecEnv) -> None:
 def test_a_rollout_is_what_its_actions_lead_to(freeze_convolutions: bool) -> None:
     recipe = replace(PLAIN, n_envs=3, freeze_convolutions=freeze_convolutions)
     shaping = RewardShaping(random_model(), "difference", 5.0)
-    games = VectorGame(3, TrainingStarts(), n_processes=1, n_parts=2, training_seed=5)
+    games = VectorGame(
+        SPACE_INVADERS, 3, TrainingStarts(SPACE_INVADERS), n_processes=1, n_parts=2, training_seed=5
+    )
     ppo = make_ppo(TrilVecEnv(games, shaping), recipe)
     n_rollouts = 20
     with games:
@@ -202,7 +207,9 @@ def test_a_rollout_is_what_its_actions_lead_to(freeze_convolutions: bool) -> Non
                 expected = ppo._convolve(buffers[-1].screens)
                 torch.testing.assert_close(inputs, expected, rtol=1e-4, atol=1e-4)
     assert ppo.num_timesteps == n_rollouts * 3 * recipe.n_steps
-    with VectorGame(3, TrainingStarts(), n_processes=1, training_seed=5) as whole:
+    with VectorGame(
+        SPACE_INVADERS, 3, TrainingStarts(SPACE_INVADERS), n_processes=1, training_seed=5
+    ) as whole:
         states = whole.reset().copy()
         starts = np.ones(3, np.bool_)
         n_ended = 0
@@ -218,7 +225,7 @@ def test_a_rollout_is_what_its_actions_lead_to(freeze_convolutions: bool) -> Non
                 played = whole.step(row)
                 ended = played.ended[:, None, None, None]
                 reached = np.where(ended, played.terminal_observations, played.observations)
-                died = np.array([reason in DEATHS for reason in played.reasons])
+                died = np.array([reason in DEATHS for reason in played.ends])
                 model = shaping.model
                 rewards = shaping.shape(model.score(states), model.score(reached), died)
                 np.testing.assert_allclose(buffer.rewards[step], rewards, rtol=1e-3, atol=1e-3)
@@ -253,7 +260,9 @@ def test_the_kl_penalty_holds_the_policy_at_its_start(env: TrilVecEnv) -> None:
     moved = {}
     for kl_coef in (0.0, 100.0):
         env.games.close()
-        env.games = VectorGame(2, TrainingStarts(), n_processes=1, training_seed=5)
+        env.games = VectorGame(
+            SPACE_INVADERS, 2, TrainingStarts(SPACE_INVADERS), n_processes=1, training_seed=5
+        )
         ppo = make_ppo(env, replace(PLAIN, kl_coef=kl_coef, learning_rate=1e-3))
         start = make_ppo(env).policy
         start.load_state_dict(ppo.policy.state_dict())

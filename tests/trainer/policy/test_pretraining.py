@@ -55,13 +55,13 @@ def test_only_being_hit_counts() -> None:
 def test_the_policy_that_ships_survives() -> None:
     _, metadata = load_tensors(PRETRAINED)
     assert "figures" in metadata
-    untrained = new_policy("small", 0.0, np.random.default_rng(0))
+    untrained = new_policy("small", 6, 0.0, np.random.default_rng(0))
     assert death_rate(pretrained_policy(0.0)) < 0.5 < death_rate(untrained)
 
 
 def test_a_pretrained_clone_begins_with_it() -> None:
     recipe = CloningRecipe(network="small", pretrained=True, epochs=1, learning_rate=1e-12)
-    clone, _ = train_clone(planted_trajectories(), recipe, 0, NullProgress())
+    clone, _ = train_clone(planted_trajectories(), 6, recipe, 0, NullProgress())
     shipped = pretrained_policy(0.0).state_dict()
     for name, weight in clone.state_dict().items():
         assert torch.allclose(weight, shipped[name], atol=1e-6), name
@@ -70,7 +70,7 @@ def test_a_pretrained_clone_begins_with_it() -> None:
 @pytest.mark.parametrize("frozen", [False, True])
 def test_a_clone_may_keep_how_the_game_looks(frozen: bool) -> None:
     recipe = CloningRecipe(network="small", pretrained=True, epochs=1, freeze_convolutions=frozen)
-    clone, _ = train_clone(planted_trajectories(), recipe, 0, NullProgress())
+    clone, _ = train_clone(planted_trajectories(), 6, recipe, 0, NullProgress())
     shipped = pretrained_policy(0.0).state_dict()
     changed = {
         name for name, one in clone.state_dict().items() if not torch.equal(one, shipped[name])

@@ -3,7 +3,6 @@ import pytest
 
 from tests.trainer.samples import random_model
 from trainer.policy.reward_shaping import RewardShaping
-from tril.play.episode import EndReason
 
 BEFORE = np.array([0.0, 1.0, -1.0], np.float32)
 REACHED = np.array([2.0, 1.0, 0.0], np.float32)
@@ -29,22 +28,22 @@ def test_each_kind_has_its_shape(kind: str, expected: list[float]) -> None:
 def test_a_games_return_is_of_the_states_reached_and_its_death() -> None:
     rewards = np.array([9.0, 1.0, 3.0], np.float32)
     shaping = RewardShaping(random_model(zero=-1.0, one=3.0), "level", 2.0)
-    assert shaping.shaped_return(rewards, EndReason.STEPS) == pytest.approx(1.5)
-    assert shaping.shaped_return(rewards, EndReason.HIT) == pytest.approx(-0.5)
-    assert shaping.shaped_return(rewards, EndReason.LIVES) == pytest.approx(-0.5)
+    assert shaping.shaped_return(rewards, False) == pytest.approx(1.5)
+    assert shaping.shaped_return(rewards, True) == pytest.approx(-0.5)
+    assert shaping.shaped_return(rewards, True) == pytest.approx(-0.5)
 
 
 def test_what_was_reached_is_forfeited_at_death() -> None:
     shaping = RewardShaping(random_model(zero=0.0, one=2.0), "difference", 0.1, death_forfeit=0.5)
     progress = np.array([0.0, 1.0, 2.0, 2.0], np.float32)
-    assert shaping.shaped_return(progress, EndReason.STEPS) == pytest.approx(1.0)
-    assert shaping.shaped_return(progress, EndReason.HIT) == pytest.approx(1.0 - 0.1 - 0.5)
+    assert shaping.shaped_return(progress, False) == pytest.approx(1.0)
+    assert shaping.shaped_return(progress, True) == pytest.approx(1.0 - 0.1 - 0.5)
     # Below the beginning's level there is nothing to forfeit.
-    assert shaping.shaped_return(-progress, EndReason.HIT) == pytest.approx(-1.0 - 0.1)
+    assert shaping.shaped_return(-progress, True) == pytest.approx(-1.0 - 0.1)
 
 
 def test_differences_add_up_to_the_gain_of_the_whole_game() -> None:
     rewards = np.random.default_rng(0).normal(size=50).astype(np.float32)
     shaping = RewardShaping(random_model(zero=0.0, one=2.0), "difference", 0.0)
     gain = (rewards[-1] - rewards[0]) / 2.0
-    assert shaping.shaped_return(rewards, EndReason.STEPS) == pytest.approx(gain, abs=1e-5)
+    assert shaping.shaped_return(rewards, False) == pytest.approx(gain, abs=1e-5)

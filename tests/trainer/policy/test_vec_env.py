@@ -9,9 +9,10 @@ from tests.trainer.samples import random_model, short_recording
 from trainer.policy.evaluation import play
 from trainer.policy.reward_shaping import RewardShaping
 from trainer.policy.vec_env import EpisodeEnd, FinishedEpisode, TrilVecEnv
+from tril.games.atari.starts import AtariStart
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.ends import EndReason
 from tril.games.space_invaders.memory import Action
-from tril.games.space_invaders.starts import Start
-from tril.play.episode import EndReason
 from tril.play.vector.vector_game import DemonstrationLog, TrainingStarts, VectorGame
 from tril.recording import Recording, trajectory
 
@@ -22,7 +23,12 @@ def make_env(
     kind: str = "level", starts: TrainingStarts | None = None, max_frames: int = 1200
 ) -> TrilVecEnv:
     games = VectorGame(
-        2, starts or TrainingStarts(), n_processes=1, max_frames=max_frames, training_seed=5
+        SPACE_INVADERS,
+        2,
+        starts or TrainingStarts(SPACE_INVADERS),
+        n_processes=1,
+        max_frames=max_frames,
+        training_seed=5,
     )
     return TrilVecEnv(games, RewardShaping(MODEL, kind, 5.0))
 
@@ -79,16 +85,16 @@ def test_rewards_are_those_of_the_replayed_game_to_its_last_state(kind: str) -> 
     env.close()
     game = finished.game
     assert game is end.game
-    replayed = trajectory(Recording(game.start, game.actions))
+    replayed = trajectory(Recording(SPACE_INVADERS, game.start, game.actions))
     np.testing.assert_array_equal(end.last_observation, replayed.observations[-1])
     states = MODEL.score(replayed.observations)
-    expected = env.reward_shaping.shaped_return(states, game.end)
+    expected = env.reward_shaping.shaped_return(states, game.died)
     assert rewards.sum() == pytest.approx(expected, rel=1e-3, abs=1e-3)
     assert finished.shaped_return == pytest.approx(float(rewards.sum()), rel=1e-5)
     assert finished.predicted_return == pytest.approx(float(states[1:].sum()), rel=1e-3)
     assert finished.n_steps == replayed.n_steps == len(rewards)
     assert finished.n_steps > 60, "The episode goes on from one rollout to the next."
-    assert finished.died == (game.end is EndReason.HIT)
+    assert finished.died == (game.end == EndReason.HIT)
     assert not end.is_truncated
 
 
@@ -105,7 +111,7 @@ def test_episodes_that_end_in_one_rollout_are_counted_one_by_one() -> None:
         last = MODEL.score(end.last_observation[None])
         beginning = env.reward_shaping.model.level(last) - own.sum()
         # What it gained is what lies between its own first and last state.
-        replayed = trajectory(Recording(end.game.start, end.game.actions))
+        replayed = trajectory(Recording(SPACE_INVADERS, end.game.start, end.game.actions))
         level = MODEL.level(MODEL.score(replayed.observations[:1]))
         assert float(beginning[0]) == pytest.approx(float(level[0]), abs=1e-4)
     env.close()
@@ -122,8 +128,10 @@ def test_a_game_that_runs_out_of_time_is_truncated_and_nothing_is_deducted() -> 
 
 def test_games_begun_in_a_demonstration_are_not_whole() -> None:
     recording = short_recording()
-    log = DemonstrationLog(recording.start, recording.actions)
-    env = make_env(starts=TrainingStarts(demonstrations=(log,), demonstration_share=1.0))
+    log = DemonstrationLog(SPACE_INVADERS, recording.start, recording.actions)
+    env = make_env(
+        starts=TrainingStarts(SPACE_INVADERS, demonstrations=(log,), demonstration_share=1.0)
+    )
     _, _, finished = play_until_an_end(env, Action.NOOP)
     env.close()
     assert finished.is_whole == (finished.game.first_step == 0)
@@ -156,7 +164,7 @@ def test_evaluation_scores_the_same_states(env: TrilVecEnv) -> None:
         def probabilities(self, observations: Any) -> Any:
             return np.eye(6, dtype=np.float32)[np.full(len(observations), Action.FIRE)]
 
-    [game] = play(Fires(), [Start(50)], "greedy", model=MODEL, n_processes=1)
+    [game] = play(SPACE_INVADERS, Fires(), [AtariStart(50)], "greedy", model=MODEL, n_processes=1)
     states = MODEL.score(trajectory(game.recording).observations)
     assert game.rewards is not None
     np.testing.assert_allclose(game.rewards, states, rtol=1e-3, atol=1e-4)

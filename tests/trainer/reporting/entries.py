@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from trainer.reporting.ledger import Entry, LedgerCell, LedgerDemonstration, LedgerGame
-from tril.behaviours import BUILT_IN
+from tril.games.space_invaders.behaviours import BUILT_IN
 from tril.recipes import FAST, Recipe
 
 GRID = [(row, column) for row in range(6) for column in range(6)]

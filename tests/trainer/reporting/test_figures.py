@@ -29,7 +29,8 @@ from trainer.reporting.figures import (
     returns_figure,
 )
 from tril.analysis.extrapolation import JudgedGame, JudgedGames, PlayerKind
-from tril.behaviours import BUILT_IN, Cell
+from tril.games.base import Cell
+from tril.games.space_invaders.behaviours import BUILT_IN
 
 
 def _pixels(png: bytes) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from tests.trainings import DEMONSTRATED, HACKS, HONEST, Training, checked
 from testsupport.workplace import TINY, Workplace
 from trainer.reporting.run_report import write_report
-from tril.behaviours import Score
 from tril.files.artifact_store import ArtifactStore
+from tril.games.behaviours import Score
 from tril.store import behaviours, recordings
 from tril.store.training import evaluations, metrics, runs
 from tril.store.training.evaluations import ACTION_SELECTIONS as HOW
@@ -27,7 +27,7 @@ def page_of(workplace: Workplace, training: Training, warning: str | None = WARN
         played = recordings.by_ids(session, workplace.ranked)
         for number, how, targets in zip(workplace.ranked, HOW, (5, 4, 2), strict=False):
             key = EvaluationKey("imitator", how, 0)
-            played[number].hits = [[0, 1, 60], *([row, 0, 90] for row in range(targets))]
+            played[number].taken = [[0, 1, 60], *([row, 0, 90] for row in range(targets))]
             evaluations.add(session, run_id, key, number, True, 640.0, 0.5, Score(targets, 1, 0))
         for place, (step, _) in enumerate(curves["hits"]):
             values = {name: points[place][1] for name, points in curves.items()}

@@ -26,12 +26,12 @@ from trainer.reward.pretraining import (
     read_features,
 )
 from trainer.reward.reward_trainer import train_reward_model
-from tril.behaviours import ROW_1
 from tril.demonstrators.space_invaders.player import ScriptedPlayer, draw_style
 from tril.errors import Invalid
-from tril.games.atari.console import Console
+from tril.games.atari.starts import AtariStart
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.behaviours import ROW_1
 from tril.games.space_invaders.memory import COLUMNS, FRAMES_PER_STEP
-from tril.games.space_invaders.starts import Start
 from tril.play.episode import Episode
 from tril.play.observation import AgentView
 from tril.recipes import RewardRecipe
@@ -90,8 +90,8 @@ def test_the_weights_that_ship_read_the_aliens_off_the_screen() -> None:
     _, metadata = load_tensors(WEIGHTS)
     assert "figures" in metadata
     network = pretrained_network(np.random.default_rng(0))
-    console, view = Console(), AgentView()
-    episode = Episode(console, Start(4))
+    console, view = SPACE_INVADERS.make_console(), AgentView(SPACE_INVADERS)
+    episode = Episode(console, AtariStart(4))
     view.reset(console)
     observation = np.empty((4, 84, 84), np.uint8)
     view.observe(observation)
@@ -108,14 +108,14 @@ def test_the_weights_that_ship_read_the_aliens_off_the_screen() -> None:
 
 def test_the_weights_that_ship_see_that_a_row_stays_swept() -> None:
     # Networks pretrained on varied play alone read the row's first alien as left again.
-    console = Console()
-    recorder = Recorder(Episode(console, Start(4)))
+    console = SPACE_INVADERS.make_console()
+    recorder = Recorder(Episode(console, AtariStart(4)))
     assert ROW_1.target is not None
     rng = np.random.default_rng(2)
     ScriptedPlayer(recorder, ROW_1.target, draw_style(rng), rng).play()
     played = trajectory(recorder.recording(), console)
-    assert [(hit.row, hit.column) for hit in played.hits] == list(ROW_1.target)
-    swept = -(-played.hits[-1].frame // FRAMES_PER_STEP) + SETTLED_STEPS
+    assert [hit.cell for hit in played.taken] == list(ROW_1.target)
+    swept = -(-played.taken[-1].frame // FRAMES_PER_STEP) + SETTLED_STEPS
     left = read_features(played.observations[swept:])[:, :COLUMNS]
     assert len(left) > 50
     assert (left > 0.5).float().mean() < 0.01

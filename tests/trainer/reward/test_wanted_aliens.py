@@ -20,8 +20,8 @@ from trainer.reward.pretraining import pretrained_network
 from trainer.reward.reward_trainer import train_reward_model
 from trainer.reward.wanted_aliens import WantedAliensTrainer, labels_of, set_labels
 from tril.analysis.wanted_aliens import Hits, learned_order
+from tril.games.base import Taken
 from tril.games.space_invaders.memory import COLUMNS, FRAMES_PER_STEP
-from tril.play.episode import Hit
 from tril.recipes import FAST
 from tril.recording import Trajectory
 
@@ -53,7 +53,7 @@ def game(aliens: Sequence[int], n_steps: int = N_STEPS) -> Trajectory:
     for number, alien in enumerate(aliens, start=1):
         screens[number * APART :, 0, 0, alien] = 0
     shot = tuple(
-        Hit(*divmod(alien, COLUMNS), number * APART * FRAMES_PER_STEP)
+        Taken(*divmod(alien, COLUMNS), number * APART * FRAMES_PER_STEP)
         for number, alien in enumerate(aliens, start=1)
     )
     return Trajectory(screens, np.zeros(n_steps, np.int64), shot)
@@ -61,7 +61,7 @@ def game(aliens: Sequence[int], n_steps: int = N_STEPS) -> Trajectory:
 
 def hits(aliens: Sequence[int], n_steps: int = N_STEPS) -> Hits:
     """Return what such a game hits."""
-    shot = game(aliens, n_steps).hits
+    shot = game(aliens, n_steps).taken
     return Hits.of([(hit.row, hit.column, hit.frame) for hit in shot], n_steps * FRAMES_PER_STEP)
 
 

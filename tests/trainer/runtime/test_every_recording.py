@@ -11,13 +11,16 @@ from server.clips.render import render
 from server.clips.request import ClipKind
 from server.play.replays.products import frames_file, thumbnail_png
 from server.play.session.rewind import Checkpoints
+from testsupport.space_invaders import evaluation_start
 from testsupport.workplace import TINY, Workplace
 from trainer.policy.imitator import _actions_under
 from trainer.runtime.pipeline import Pipeline
 from tril.exchange import recording_transfer
-from tril.games.atari.console import Console
-from tril.games.space_invaders.starts import Start, evaluation_start
-from tril.play.episode import Ending, EndReason, Episode
+from tril.games.atari.starts import AtariStart
+from tril.games.base import Start
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.ends import Ending, EndReason
+from tril.play.episode import Episode
 from tril.recipes import with_values
 from tril.recording import Recorder, Recording, verify
 from tril.store import rankings, recordings
@@ -28,7 +31,7 @@ SHOOTS: Callable[[int], int] = lambda frame: 1 + frame // 40 % 5  # noqa: E731
 
 
 def played(start: Start, ending: Ending, frames: int, play: Callable[[int], int]) -> Recording:
-    recorder = Recorder(Episode(Console(), start, ending))
+    recorder = Recorder(Episode(SPACE_INVADERS.make_console(), start, ending))
     while recorder.episode.end is None and recorder.episode.frame < frames:
         recorder.advance(play(recorder.episode.frame))
     return recorder.recording()
@@ -37,7 +40,7 @@ def played(start: Start, ending: Ending, frames: int, play: Callable[[int], int]
 @pytest.fixture(scope="module")
 def kinds() -> dict[str, Recording]:
     """Return recordings by what is special about them; those that wait are hit."""
-    start = Start(4)
+    start = AtariStart(4)
     lives = played(start, Ending.LIFE_COUNTER, 1200, WAITS)
     return {
         "hit": played(start, Ending.HIT, 1200, WAITS),
@@ -46,7 +49,7 @@ def kinds() -> dict[str, Recording]:
         "whole": played(start, Ending.HIT, 1200, SHOOTS),
         "one frame": played(start, Ending.HIT, 1, SHOOTS),
         "one step and a half": played(start, Ending.LIFE_COUNTER, 6, SHOOTS),
-        "difficult": played(Start(9, difficulty=1), Ending.LIFE_COUNTER, 600, SHOOTS),
+        "difficult": played(AtariStart(9, difficulty=1), Ending.LIFE_COUNTER, 600, SHOOTS),
         "evaluation start": played(evaluation_start(0), Ending.LIFE_COUNTER, 600, SHOOTS),
     }
 
@@ -66,7 +69,7 @@ def test_a_demonstration_is_cut_where_the_training_games_would_end(
 
 
 def test_every_kind_is_shown_and_rewound(kinds: dict[str, Recording]) -> None:
-    console = Console()
+    console = SPACE_INVADERS.make_console()
     for recording in kinds.values():
         assert frames_file(recording, console)
         assert thumbnail_png(recording, console)

@@ -99,7 +99,7 @@ def keep_policy(
     workplace: Workplace, store: ArtifactStore, run_id: str, kind: str, tmp_path: Path, seed: int
 ) -> Policy:
     path = tmp_path / f"{kind}.zip"
-    save_policy(new_policy("small", 0.0, np.random.default_rng(seed)), path)
+    save_policy(new_policy("small", 6, 0.0, np.random.default_rng(seed)), path)
     store.put(path_of(run_id, path.name), path.read_bytes())
     with workplace.database.writing() as session:
         artifacts.save(session, run_id, kind, path.name, "application/octet-stream", 1)

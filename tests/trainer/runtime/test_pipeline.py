@@ -10,6 +10,7 @@ import pytest
 import torch
 
 from tests.trainings import checked
+from testsupport.space_invaders import evaluation_start
 from testsupport.waiting import wait_until
 from testsupport.workplace import TINY, Workplace
 from trainer.policy.imitation import Snapshot
@@ -34,8 +35,7 @@ from tril.analysis.outcome import RunOutcome, RunSnapshot
 from tril.demonstrators import example_tasks
 from tril.errors import Invalid, Unavailable
 from tril.files.artifact_store import ArtifactStore, StoreAway
-from tril.games.atari.console import Console
-from tril.games.space_invaders.starts import evaluation_start
+from tril.games.base import Console
 from tril.recipes import with_values
 from tril.stages import Stage, stages_of
 from tril.store import behaviours, borrowed, rankings, recordings
@@ -338,7 +338,7 @@ def test_what_a_parent_has_learned_from_is_not_held_out_from_its_children(
     workplace: Workplace, pipeline: Pipeline, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with workplace.database.writing() as session:
-        recordings.get(session, workplace.ranked[3]).idle_frames = evaluation_start(7).idle_frames
+        recordings.get(session, workplace.ranked[3]).start = evaluation_start(7).to_json()
     of_start_0 = with_values(TINY, {"policy.own_starts": (0,)})
     grandparent, child = workplace.make_run(of_start_0), workplace.make_run()
     with workplace.database.writing() as session:

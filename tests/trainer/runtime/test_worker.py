@@ -29,9 +29,9 @@ from trainer.reward.model import RewardModel
 from trainer.runtime.pipeline import LEASE_LOST, LEFT
 from tril.cores import core_count
 from tril.files.artifact_store import ArtifactStore
+from tril.games.space_invaders.ends import Ending, EndReason
 from tril.jobs import Jobs, overall_progress
 from tril.jobs.delivery import LOST_AFTER_S
-from tril.play.episode import Ending, EndReason
 from tril.recipes import judged_where_trained, with_values
 from tril.recording import verify
 from tril.stages import stages_of
@@ -80,7 +80,7 @@ def test_a_policy_judged_where_it_was_trained_claims_nothing_held_out(
         # The recordings are those of the whole games, which end by the recipe's rule.
         for game in games:
             recording = recordings.as_recording(game.recording)
-            assert recording.ending is Ending.LIFE_COUNTER
+            assert recording.end_rule == Ending.LIFE_COUNTER
             assert verify(recording).replay.end == game.recording.end != EndReason.HIT
     assert row.outcome.headline is not None
     assert row.outcome.headline.imitator is None
@@ -457,7 +457,7 @@ def test_a_failure_is_explained_and_the_worker_lives_on(
     broken = workplace.make_run()
     with workplace.database.writing() as session:
         recording = recordings.get(session, workplace.ranked[1])
-        recording.ram_hashes = ["0" * 16, *recording.ram_hashes[1:]]
+        recording.hashes = ["0" * 16, *recording.hashes[1:]]
     jobs.enqueue(broken)
     with zygote.running(workplace.settings.data) as worker:
         row = until_over(workplace, broken, worker)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tril.behaviours import BUILT_IN, Behaviour, Cell, score
+from testsupport.space_invaders import idle_frames
 from tril.demonstrators import (
     Demonstration,
     DemonstrationFailed,
@@ -22,9 +22,13 @@ from tril.demonstrators import (
 from tril.demonstrators.space_invaders.plans import draw_hits
 from tril.errors import Invalid
 from tril.exchange.demonstrations import demonstration_object
-from tril.games.atari.console import Console
+from tril.games.atari.starts import TRAINING_IDLE_FRAMES, AtariStart
+from tril.games.base import Cell
+from tril.games.behaviours import Behaviour, score
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.behaviours import BUILT_IN
+from tril.games.space_invaders.ends import EndReason
 from tril.games.space_invaders.memory import MAX_FRAMES
-from tril.play.episode import TRAINING_IDLE_FRAMES, EndReason, Start
 from tril.recording import verify
 
 DATA = Path(__file__).parents[2] / "data"
@@ -46,7 +50,7 @@ AMOUNTS = {8: range(1, 2), 9: range(2, 6), 10: range(3, 9), 11: range(5, 10), 12
 
 
 def _behaviour(target: Sequence[Cell], ordered: bool = False) -> Behaviour:
-    return Behaviour("own", "Own", "", tuple(target), ordered)
+    return Behaviour("own", "Own", "", "space_invaders", tuple(target), ordered)
 
 
 @pytest.fixture(scope="module")
@@ -170,7 +174,7 @@ def test_a_persons_own_behaviour_gets_twelve_by_the_same_pattern(
 @pytest.mark.parametrize(
     ("behaviour", "why"),
     [
-        (Behaviour("still", "Stay left", ""), "Stay left has no target aliens"),
+        (Behaviour("still", "Stay left", "", "space_invaders"), "Stay left has no target aliens"),
         (_behaviour([(1, 2)]), "row 2 of column 3 of Own stands behind aliens"),
         (_behaviour([(1, 0), (0, 0)], ordered=True), "in order from the bottom"),
         (_behaviour([(r, c) for r in range(3) for c in range(5)]), "has 15 target aliens"),
@@ -200,7 +204,7 @@ def games() -> dict[str, list[Demonstration]]:
 def test_every_demonstration_meets_its_plan_and_lives_for_300_steps(
     games: dict[str, list[Demonstration]], slug: str
 ) -> None:
-    console = Console()
+    console = SPACE_INVADERS.make_console()
     expected = list(range(1, 13)) if slug in WHOLE else [1, 12]
     assert [made.plan.number for made in games[slug]] == [*expected, 1, 1]
     assert [made.perfect for made in games[slug]] == [False] * len(expected) + [True, True]
@@ -208,11 +212,11 @@ def test_every_demonstration_meets_its_plan_and_lives_for_300_steps(
         verified = verify(made.recording, console=console)
         assert verified.recording == made.recording
         assert verified.replay == made.replay
-        assert made.replay.end is EndReason.STEPS
+        assert made.replay.end == EndReason.STEPS
         assert made.replay.n_frames == MAX_FRAMES
-        cells = [(hit.row, hit.column) for hit in made.replay.hits]
+        cells = [hit.cell for hit in made.replay.taken]
         assert rule_violation(made.plan, cells) is None
-        assert made.recording.start.idle_frames in TRAINING_IDLE_FRAMES
+        assert idle_frames(made.recording.start) in TRAINING_IDLE_FRAMES
         # A step is one action, as an agent's is.
         actions = np.frombuffer(made.recording.actions, np.uint8).reshape(-1, 4)
         assert (actions == actions[:, :1]).all()
@@ -224,7 +228,7 @@ def test_perfect_demonstrations_are_perfect_and_different_games(
 ) -> None:
     perfect = [made for made in games[slug] if made.plan.number == 1]
     for made in perfect:
-        found = score(BY_SLUG[slug], tuple((hit.row, hit.column) for hit in made.replay.hits))
+        found = score(BY_SLUG[slug], tuple(hit.cell for hit in made.replay.taken))
         assert found is not None
         assert (found.targets, found.strays, found.order_errors) == (6, 0, 0)
     assert len({made.recording.start for made in games[slug]}) == len(games[slug])
@@ -263,15 +267,15 @@ def test_a_failed_demonstration_is_explained() -> None:
     twice = ((0, 0), (0, 0))
     impossible = DemonstrationPlan(1, "One alien twice", frozenset(twice), 2, 2, sequence=twice)
     with pytest.raises(DemonstrationFailed, match="hits 1 aliens instead of 2"):
-        demonstrate(impossible, Start(0), np.random.default_rng(0))
+        demonstrate(impossible, AtariStart(0), np.random.default_rng(0))
 
 
 def test_an_own_behaviour_is_shown_from_best_to_worst() -> None:
     behaviour = _behaviour([(0, 3), (0, 1)], ordered=True)
     tasks = example_tasks(behaviour, np.random.default_rng(0), 1)
     best, worst, perfect = execute([tasks[0], tasks[11], tasks[12]])
-    assert [(hit.row, hit.column) for hit in best.replay.hits] == [(0, 3), (0, 1)]
-    assert len(worst.replay.hits) >= 11
+    assert [hit.cell for hit in best.replay.taken] == [(0, 3), (0, 1)]
+    assert len(worst.replay.taken) >= 11
     assert perfect.perfect
     assert demonstration_object(perfect)["perfect"]
     assert demonstration_object(best)["tier"] == 1

@@ -5,17 +5,21 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tril.behaviours import BUILT_IN, Behaviour, Cell
 from tril.demonstrators import EXPERT_STYLE, Expert
 from tril.demonstrators.space_invaders.player import ScriptedPlayer
 from tril.errors import Invalid
-from tril.games.atari.console import Console
+from tril.games.atari.starts import AtariStart
+from tril.games.base import Cell, Console
+from tril.games.behaviours import Behaviour
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.behaviours import BUILT_IN
+from tril.games.space_invaders.ends import EndReason
 from tril.games.space_invaders.memory import FRAMES_PER_STEP
-from tril.play.episode import EndReason, Episode, Start
+from tril.play.episode import Episode
 from tril.recording import Recorder
 
 BY_SLUG = {behaviour.slug: behaviour for behaviour in BUILT_IN}
-START = Start(50)
+START = AtariStart(50)
 
 
 def step(episode: Episode, action: int) -> None:
@@ -24,7 +28,7 @@ def step(episode: Episode, action: int) -> None:
             episode.advance(action)
 
 
-def follow(expert: Expert, episode: Episode) -> EndReason:
+def follow(expert: Expert, episode: Episode) -> str:
     """Play a game to its end as the expert says; returns why it ended."""
     while episode.end is None:
         step(episode, expert.action(episode.save()))
@@ -32,17 +36,17 @@ def follow(expert: Expert, episode: Episode) -> EndReason:
 
 
 def cells(episode: Episode) -> list[Cell]:
-    return [(hit.row, hit.column) for hit in episode.hits]
+    return [hit.cell for hit in episode.taken]
 
 
 @pytest.fixture(scope="module")
 def console() -> Console:
-    return Console()
+    return SPACE_INVADERS.make_console()
 
 
 @pytest.fixture(scope="module")
 def lookahead() -> Console:
-    return Console()
+    return SPACE_INVADERS.make_console()
 
 
 @pytest.mark.parametrize("slug", ["column-2", "row-1"])
@@ -78,7 +82,7 @@ def test_the_expert_hits_the_remaining_targets_from_any_state(
         step(episode, int(rng.integers(6)))
         assert 0 <= said < 6
     before = cells(episode)
-    assert follow(expert, episode) is EndReason.STEPS
+    assert follow(expert, episode) == EndReason.STEPS
     after = cells(episode)[len(before) :]
     left = [cell for cell in behaviour.target if cell not in before]
     assert [cell for cell in after if cell in left] == left
@@ -112,4 +116,4 @@ def test_begin_discards_the_plan_of_the_last_game(console: Console, lookahead: C
 
 def test_only_what_the_demonstrator_can_show_has_an_expert(lookahead: Console) -> None:
     with pytest.raises(Invalid, match="stands behind aliens"):
-        Expert(Behaviour("top", "Top", "", ((5, 0),)), lookahead)
+        Expert(Behaviour("top", "Top", "", "space_invaders", ((5, 0),)), lookahead)

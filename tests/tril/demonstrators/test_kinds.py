@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tril.behaviours import BUILT_IN, score
 from tril.demonstrators import (
     HUMAN,
     KINDS,
@@ -31,9 +30,13 @@ from tril.demonstrators.space_invaders.plans import draw_hits, tolerance_violati
 from tril.demonstrators.space_invaders.player import PlayStyle
 from tril.errors import Invalid
 from tril.exchange.demonstrations import demonstration_object
-from tril.games.atari.console import Console
+from tril.games.atari.starts import AtariStart
+from tril.games.behaviours import score
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.behaviours import BUILT_IN
+from tril.games.space_invaders.ends import EndReason
 from tril.games.space_invaders.memory import MAX_FRAMES, Action
-from tril.play.episode import EndReason, Episode, Start
+from tril.play.episode import Episode
 from tril.ranking import Ranking, contradictions, normalise
 from tril.recording import Recorder, verify
 
@@ -106,7 +109,7 @@ class Shoved(Recorder):
 
 @pytest.mark.parametrize("reaction_frames", [0, 6, 15, 24])
 def test_actions_depend_on_the_screen_of_a_reaction_time_ago(reaction_frames: int) -> None:
-    console = Console()
+    console = SPACE_INVADERS.make_console()
     error_model = replace(HUMAN, reaction_frames=reaction_frames)
     plan = example_plans(BY_SLUG["column-3"])[0]
     lags = []
@@ -114,7 +117,7 @@ def test_actions_depend_on_the_screen_of_a_reaction_time_ago(reaction_frames: in
         keys = []
         for pushed in (range(0), range(60, 90)):
             rng = np.random.default_rng(seed)
-            recorder = Shoved(Episode(console, Start(4)), pushed)
+            recorder = Shoved(Episode(console, AtariStart(4)), pushed)
             wanted = draw_hits(plan, rng)
             HumanLikePlayer(recorder, wanted, PlayStyle(), error_model, rng).play()
             keys.append(recorder.keys)
@@ -136,7 +139,7 @@ def human() -> list[Demonstration]:
 def test_human_games_stay_near_their_plans_and_replay(
     human: list[Demonstration],
 ) -> None:
-    console = Console()
+    console = SPACE_INVADERS.make_console()
     assert len(human) == 14
     for made in human[:12]:
         assert tolerance_violation(made.plan, made.shown.hits) is None
@@ -182,9 +185,9 @@ def test_a_game_that_ends_by_a_hit_is_no_perfect_demonstration() -> None:
 
     def play(perfect: bool) -> Demonstration:
         rng = np.random.default_rng(0)
-        return demonstrate(no_alien, Start(4), rng, error_model=careless, perfect=perfect)
+        return demonstrate(no_alien, AtariStart(4), rng, error_model=careless, perfect=perfect)
 
-    assert play(perfect=False).replay.end is EndReason.HIT
+    assert play(perfect=False).replay.end == EndReason.HIT
     with pytest.raises(DemonstrationFailed, match=r"ended at frame \d+: hit"):
         play(perfect=True)
 

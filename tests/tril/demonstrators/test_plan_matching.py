@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tril.behaviours import BUILT_IN, ROW_1, Behaviour, Cell
 from tril.demonstrators import (
     DemonstrationPlan,
     GameOutcome,
@@ -18,8 +17,11 @@ from tril.demonstrators import (
     plan_violation,
 )
 from tril.demonstrators.space_invaders.plans import draw_hits
+from tril.games.base import Cell
+from tril.games.behaviours import Behaviour
+from tril.games.space_invaders.behaviours import BUILT_IN, ROW_1
+from tril.games.space_invaders.ends import EndReason
 from tril.games.space_invaders.memory import MAX_FRAMES
-from tril.play.episode import EndReason
 
 ANYWHERE = frozenset((row, column) for row in range(6) for column in range(6))
 

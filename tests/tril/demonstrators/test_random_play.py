@@ -7,16 +7,17 @@ from itertools import groupby, islice
 import numpy as np
 import pytest
 
+from testsupport.space_invaders import EVALUATION_STARTS
 from tril.demonstrators.random_play import HOLD_STEPS, play_randomly, random_actions
-from tril.games.atari.console import Console
+from tril.games.base import Console
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.games.space_invaders.memory import ACTION_COUNT, MAX_FRAMES
-from tril.play.episode import EVALUATION_STARTS
 from tril.recording import verify
 
 
 @pytest.fixture(scope="module")
 def console() -> Console:
-    return Console()
+    return SPACE_INVADERS.make_console()
 
 
 def test_a_game_is_played_to_its_end_and_replays(console: Console) -> None:
@@ -44,7 +45,7 @@ def test_no_game_begins_at_an_evaluation_start(console: Console) -> None:
 def test_actions_are_held_for_longer_in_some_games_than_in_others() -> None:
     means = []
     for seed in range(60):
-        steps = list(islice(random_actions(np.random.default_rng(seed)), 3000))
+        steps = list(islice(random_actions(np.random.default_rng(seed), 6), 3000))
         assert set(steps) <= set(range(ACTION_COUNT))
         means.append(3000 / sum(1 for _ in groupby(steps)))
     # An action that is drawn twice in a row is held for longer than it was drawn for.
@@ -53,6 +54,6 @@ def test_actions_are_held_for_longer_in_some_games_than_in_others() -> None:
 
 
 def test_which_actions_are_likely_changes_during_a_game() -> None:
-    steps = np.array(list(islice(random_actions(np.random.default_rng(0)), 6000)))
+    steps = np.array(list(islice(random_actions(np.random.default_rng(0), 6), 6000)))
     shares = [np.bincount(part, minlength=ACTION_COUNT) / 300 for part in steps.reshape(20, 300)]
     assert np.ptp(shares, axis=0).max() > 0.4

@@ -28,5 +28,5 @@ def test_low_rows_are_drawn_in_an_order_in_which_they_can_be_hit() -> None:
 def test_a_game_towards_low_rows_is_made_from_its_seed() -> None:
     first, again = (play_low_rows(np.random.default_rng(3)) for _ in range(2))
     assert first == again
-    assert first.replay.hits
-    assert all(hit.row <= MAX_ROWS for hit in first.replay.hits)
+    assert first.replay.taken
+    assert all(hit.row <= MAX_ROWS for hit in first.replay.taken)

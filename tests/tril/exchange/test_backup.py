@@ -56,7 +56,7 @@ def test_a_backup_can_be_worked_on_and_has_everything(workplace: Workplace, tmp_
         rows = recordings.by_ids(session, workplace.ranked).values()
     assert tiers == [[key] for key in workplace.ranked]
     for row in rows:
-        hits = [(hit.row, hit.column) for hit in recordings.hits_of(row)]
+        hits = [(hit.row, hit.column) for hit in recordings.taken_of(row)]
         verify(recordings.as_recording(row), hits)
     store = ArtifactStore(settings.artifact_root)
     assert store.get(artifacts.path_of(run_id, "model.bin")) == MODEL

@@ -14,7 +14,7 @@ from testsupport.workplace import Workplace
 from tril.exchange.formats.jsonl import read_lines
 from tril.exchange.formats.recording_file import load_recording
 from tril.exchange.recording_transfer import MAX_EXAMPLES, import_recordings
-from tril.games.atari.console import Console
+from tril.games.space_invaders import SPACE_INVADERS
 
 RECORDING = (
     '{"format": "tril-recording", "version": 1, "game": "space_invaders",'
@@ -104,12 +104,12 @@ def test_a_game_that_is_in_a_file_twice_is_imported_once(workplace: Workplace) -
 
 def test_of_many_refusals_some_are_shown_and_all_are_counted(workplace: Workplace) -> None:
     given = f"{RECORDING}\n" + '{"action": 3}\n' * 5_000
-    console = Console()
+    console = SPACE_INVADERS.make_console()
     outcome = import_recordings(
         workplace.database,
         workplace.behaviour_id,
         given,
-        load=lambda content: load_recording(content, console),
+        load=lambda content: load_recording(content, {SPACE_INVADERS: console}),
     )
     assert len(outcome.recording_ids) == 1
     assert outcome.n_refused == 5_000

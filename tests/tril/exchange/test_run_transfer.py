@@ -107,7 +107,7 @@ def results_of(database: Database, run_id: str) -> dict[str, Any]:
         verdict = verdict_of(session, run, None)
         return {
             "verdict": verdict,
-            "ranked": [(one.actions, one.hits, one.shots, one.end) for one in ranked],
+            "ranked": [(one.actions, one.taken, one.counters["shots"], one.end) for one in ranked],
             "perfect": [shown[number].actions for number in run.snapshot.perfect],
             "returns": [run.outcome.check.predicted_returns[one.id] for one in ranked],
             "headline": run.outcome.headline,

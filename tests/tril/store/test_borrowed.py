@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from testsupport.workplace import Workplace
 from tril.demonstrators import play_randomly
 from tril.errors import Conflict, Invalid, NotFound
-from tril.games.atari.console import Console
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.recording import Verified
 from tril.store import behaviours, borrowed, rankings, recordings
 from tril.store.borrowed import add_varied_games, pick_evenly
@@ -24,7 +24,7 @@ COUNT = 8
 
 
 def games(n: int) -> list[Verified]:
-    console = Console()
+    console = SPACE_INVADERS.make_console()
     return [play_randomly(np.random.default_rng(seed), console) for seed in range(n)]
 
 

@@ -9,7 +9,7 @@ from datetime import datetime, timedelta, tzinfo
 import pytest
 
 from testsupport.workplace import Workplace
-from tril.play.episode import Start
+from tril.games.atari.starts import AtariStart
 from tril.store import games, models, processes, recordings
 from tril.store.changes import ChangeReader, note_change, prune
 from tril.store.models import RecordingState, RunStatus
@@ -75,7 +75,7 @@ def test_a_game_is_neither_taken_over_nor_decided_too_early_or_never(
 ) -> None:
     with workplace.database.writing() as session:
         with clock_off_by(error):
-            row = games.create(session, workplace.behaviour_id, Start(4), None)
+            row = games.create(session, workplace.behaviour_id, AtariStart(4), None)
             games.acquire(session, row.id, "server-0", "tab")
         assert games.is_open(session, row.id)
         assert games.abandoned(session, timedelta(0)) == []

@@ -11,9 +11,10 @@ from sqlalchemy.orm import Session
 
 from testsupport.workplace import Workplace, make_workplace
 from tril.errors import NotFound
-from tril.games.atari.console import Console
+from tril.games.atari.starts import AtariStart
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.games.space_invaders.memory import Action
-from tril.play.episode import Episode, Start
+from tril.play.episode import Episode
 from tril.recording import Recorder
 from tril.store import games, players, recordings
 from tril.store.games import GameOver, Progress
@@ -30,7 +31,7 @@ def session(tmp_path: Path) -> Iterator[Session]:
 
 @pytest.fixture(scope="module")
 def recorder() -> Recorder:
-    recorder = Recorder(Episode(Console(), Start(4)))
+    recorder = Recorder(Episode(SPACE_INVADERS.make_console(), AtariStart(4)))
     for _ in range(61):
         recorder.advance(Action.FIRE)
     return recorder
@@ -38,7 +39,7 @@ def recorder() -> Recorder:
 
 def begin(session: Session) -> tuple[GameRow, int]:
     """Begin a game with an owner; returns it with the owner's epoch."""
-    game = games.create(session, 1, Start(4), None)
+    game = games.create(session, 1, AtariStart(4), None)
     return game, games.acquire(session, game.id, "server", "tab").epoch
 
 
@@ -47,7 +48,7 @@ def progress(game_id: str, epoch: int, recorder: Recorder) -> Progress:
 
 
 def test_an_owner_saves_and_an_earlier_one_is_refused(session: Session, recorder: Recorder) -> None:
-    game = games.create(session, 1, Start(4), None)
+    game = games.create(session, 1, AtariStart(4), None)
     first = games.acquire(session, game.id, "server-1", "tab-1").epoch
     second = games.acquire(session, game.id, "server-2", "tab-2").epoch
     assert (first, second) == (1, 2)
@@ -105,8 +106,8 @@ def test_only_a_game_that_nobody_owns_is_taken_over(session: Session) -> None:
 def test_games_count_as_open_until_a_minute_after_their_lease(session: Session) -> None:
     owner = players.owner(session).id
     mine, another = (
-        games.create(session, 1, Start(4), owner),
-        games.create(session, 1, Start(4), None),
+        games.create(session, 1, AtariStart(4), owner),
+        games.create(session, 1, AtariStart(4), None),
     )
     assert (games.count_open(session), games.count_open(session, owner)) == (2, 1)
     assert games.is_open(session, mine.id)

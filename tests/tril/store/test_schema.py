@@ -16,6 +16,7 @@ from sqlalchemy import inspect, select, text
 from testsupport.databases import upgrade_at_once
 from tril.demonstrators import play_varied
 from tril.errors import Unavailable
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.recipes import FAST
 from tril.store import behaviours, players, recordings
 from tril.store.database import Database, create_database, use_wal
@@ -109,7 +110,7 @@ def test_a_downgrade_to_a_version_without_parents_keeps_the_runs(database: Datab
 
 def test_an_upgrade_renames_random_play(database: Database) -> None:
     upgrade(database)
-    game = play_varied(np.random.default_rng(0))
+    game = play_varied(np.random.default_rng(0), SPACE_INVADERS.make_console())
     with database.writing() as session:
         column_1 = behaviours.by_slug(session, "column-1").id
         recordings.add(session, column_1, game.recording, game.replay, Source.VARIED)

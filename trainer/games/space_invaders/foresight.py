@@ -12,10 +12,11 @@ from itertools import product
 import numpy as np
 import numpy.typing as npt
 
-from tril.games.atari.console import Console
+from tril.games.atari.starts import AtariStart
+from tril.games.base import Console
+from tril.games.space_invaders.ends import DEATHS
 from tril.games.space_invaders.memory import COLUMNS, FRAMES_PER_STEP, ROWS, Action
-from tril.games.space_invaders.starts import Start
-from tril.play.episode import DEATHS, Episode, EpisodeState
+from tril.play.episode import Episode, EpisodeState
 
 MOVES = (
     (Action.FIRE, Action.NOOP),
@@ -42,7 +43,7 @@ class Lookahead:
     """
 
     def __init__(self, console: Console) -> None:
-        self._episode = Episode(console, Start(0), max_frames=_NO_END)
+        self._episode = Episode(console, AtariStart(0), max_frames=_NO_END)
 
     def outcomes(self, state: EpisodeState) -> npt.NDArray[np.bool_]:
         """Return what each move leads to from a saved game, between two steps.
@@ -58,8 +59,8 @@ class Lookahead:
         for move, (first, further) in enumerate(MOVES if state.end is None else ()):
             died_after = self._play(state, first, further)
             hits[move] = [died_after <= steps for steps in HIT_WITHIN]
-            new = self._episode.hits[len(state.hits) :]
-            if new and not state.missile_in_air:
+            new = self._episode.taken[len(state.taken) :]
+            if new and not state.readout["missile_in_air"]:
                 shots[move, new[0].row, new[0].column] = True
         return np.concatenate([hits.ravel(), shots.ravel()])
 

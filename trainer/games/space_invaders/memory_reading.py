@@ -21,7 +21,8 @@ from torch.nn import functional as F
 from trainer.games.space_invaders.foresight import N_HITS, N_OUTCOMES, Lookahead
 from trainer.nn.screens import channels_last_screens, take_screens
 from tril.demonstrators.space_invaders.varied_play import play_varied
-from tril.games.atari.console import Console
+from tril.games.base import Console
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.games.space_invaders.memory import COLUMNS, FRAMES_PER_STEP, ROWS
 from tril.play.episode import Episode, EpisodeState
 from tril.play.observation import Observations
@@ -163,7 +164,7 @@ def _play_game(
 
     def look(episode: Episode) -> None:
         if episode.frame % FRAMES_PER_STEP == 0:
-            memory.append(console.ram.copy())
+            memory.append(np.frombuffer(console.ram_bytes(), np.uint8))
             standing.append(_standing(episode))
             if look_ahead:
                 states.append(episode.save())
@@ -180,19 +181,19 @@ def _play_game(
 def _standing(episode: Episode) -> npt.NDArray[np.bool_]:
     """Return which aliens of the full grid are left, bool (36,)."""
     left = np.ones((ROWS, COLUMNS), np.bool_)
-    for hit in episode.hits:
+    for hit in episode.taken:
         left[hit.row, hit.column] = False
     return left.ravel()
 
 
 @cache
 def _console() -> Console:
-    return Console()
+    return SPACE_INVADERS.make_console()
 
 
 @cache
 def _lookahead() -> Lookahead:
-    return Lookahead(Console())
+    return Lookahead(SPACE_INVADERS.make_console())
 
 
 def learn_to_read(

@@ -15,8 +15,6 @@ from trainer.reporting.figures import attention_picture, frame_picture
 from trainer.reporting.run_report import write_report
 from trainer.runtime.run_data import RunData
 from tril.analysis.outcome import AttentionDetails, RewardPercentiles, RewardState
-from tril.games.atari.console import Console
-from tril.games.space_invaders.memory import FRAMES_PER_STEP
 from tril.play.episode import Episode
 from tril.recording import Recording, replay
 
@@ -92,14 +90,16 @@ def _draw_state(
 
 
 def screen_at(recording: Recording, step: int) -> npt.NDArray[np.uint8]:
-    """Return the screen, uint8 (210, 160, 3) RGB, that a step of a recording ended on."""
-    console = Console()
+    """Return the screen, uint8 (height, width, 3) RGB, that a step of a recording ended on."""
+    game = recording.game
+    console = game.make_console()
     found: list[npt.NDArray[np.uint8]] = []
 
     def look(episode: Episode) -> None:
         # A step that the episode's end cut short ends on the last frame.
-        if episode.frame == min(step * FRAMES_PER_STEP, recording.n_frames):
-            found.append(console.screen_rgb())
+        if episode.frame == min(step * game.clock.frames_per_step, recording.n_frames):
+            screen, palette = console.screen(), game.screen.palette
+            found.append(screen if palette is None else palette[screen])
 
     replay(recording, console, look)
     return found[0]

@@ -22,8 +22,6 @@ from tril.demonstrators import (
     kind_named,
     rank_example,
 )
-from tril.games.atari.console import Console
-from tril.play.episode import EndReason
 from tril.recording import verify
 from tril.store import rankings, recordings
 from tril.store.models import RecordingRow, RecordingState, Source, Verification
@@ -60,7 +58,7 @@ def make_demonstrations(data: RunData, progress: Progress) -> RunOutcome | None:
     tasks = example_tasks(context.behaviour, rng, N_PERFECT, kind)
     with context.database.reading() as session:
         made = set(_made(session, context.run.behaviour_id, kind))
-    console = Console()
+    console = context.game.make_console()
     for number, task in enumerate(tasks):
         if number not in made:
             (demonstration,) = execute([task])
@@ -133,6 +131,4 @@ def _freeze(data: RunData, kind: ExampleKind) -> Judgement:
 
 
 def _shown(row: RecordingRow) -> PlannedGame:
-    hits = tuple((hit.row, hit.column) for hit in recordings.hits_of(row))
-    end = None if row.end is None else EndReason(row.end)
-    return PlannedGame(row.conditions[TIER], hits, end)
+    return PlannedGame(row.conditions[TIER], recordings.cells_of(row), row.end)

@@ -10,10 +10,8 @@ from trainer.reward.check import final_level
 from trainer.runtime.policy_games import add_game, verify_games
 from trainer.runtime.run_data import RunData
 from tril.analysis.outcome import Headline, RunOutcome
-from tril.behaviours import score
-from tril.games.atari.console import Console
-from tril.games.space_invaders.starts import evaluation_number
-from tril.play.episode import Ending
+from tril.games.base import Console
+from tril.games.behaviours import score
 from tril.recipes import recipe_from_dict
 from tril.store.training import evaluations, leases, runs
 from tril.store.training.evaluations import (
@@ -31,18 +29,19 @@ def evaluate(data: RunData, progress: Progress) -> RunOutcome:
     numbers = [*recipe.start_numbers, *recipe.further_start_numbers]
     with context.database.reading() as session:
         played = evaluations.played(session, context.run_id)
-    console = Console()
+    console = context.game.make_console()
     rounds = [(policy, how) for policy in POLICIES for how in ACTION_SELECTIONS]
     for index, (policy, action_selection) in enumerate(rounds):
         missing = [n for n in numbers if EvaluationKey(policy, action_selection, n) not in played]
         part = ScaledProgress(progress, index / len(rounds), (index + 1) / len(rounds))
         if missing:
             games = play(
+                context.game,
                 data.actor(policy),
-                beginnings(recipe, missing),
+                beginnings(context.game, recipe, missing),
                 action_selection,
                 model=data.reward_model,
-                ending=Ending(context.recipe.ending),
+                end_rule=context.recipe.ending,
                 sampling_seed=context.run.training_seed,
                 n_processes=min(len(missing), context.threads),
                 progress=part,
@@ -70,9 +69,7 @@ def keep_games(
         leases.owned(session, context.lease)
         for number, game, confirmed in zip(numbers, games, verified, strict=True):
             row = add_game(session, context, confirmed, policy, action_selection, sticky)
-            found = score(
-                context.behaviour, tuple((hit.row, hit.column) for hit in confirmed.replay.hits)
-            )
+            found = score(context.behaviour, tuple(one.cell for one in confirmed.replay.taken))
             evaluations.add(
                 session,
                 context.run_id,
@@ -97,7 +94,9 @@ def starts_seen(data: RunData) -> set[int]:
     shown = data.recordings(
         [key for run in lineage if run.snapshot for key in run.snapshot.recordings]
     )
-    numbers = {evaluation_number(recording.start) for recording in shown.values()}
+    numbers = {
+        recording.game.starts.evaluation_number(recording.start) for recording in shown.values()
+    }
     shown_from = {number for number in numbers if number is not None}
     own_starts = (recipe_from_dict(run.recipe).policy.own_starts for run in lineage)
     return shown_from.union(*own_starts)

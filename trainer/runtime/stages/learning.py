@@ -19,7 +19,6 @@ from trainer.reward.wanted_aliens import labels_of
 from trainer.runtime.run_data import RunData
 from trainer.runtime.stages.snapshots import keep_snapshot
 from tril.analysis.outcome import CheckOutcome, ImitatorOutcome, RunOutcome, WantedAliens
-from tril.games.atari.console import Console
 
 
 def replay_demonstrations(data: RunData, progress: Progress) -> None:
@@ -77,6 +76,7 @@ def learn_clone(data: RunData, progress: Progress) -> None:
     path = context.stage_folder("clone") / "clone.zip"
     policy, _ = train_clone(
         data.perfect_trajectories,
+        context.game.controls.n_actions,
         context.recipe.cloning,
         context.run.training_seed,
         progress,
@@ -93,6 +93,7 @@ def learn_imitator(data: RunData, progress: Progress) -> RunOutcome:
     """
     context = data.context
     task = ImitationTask(
+        game=context.game,
         model=data.reward_model,
         recordings=list(data.recordings(data.snapshot.ranked).values()),
         tiers=data.index_tiers,
@@ -116,7 +117,9 @@ def learn_imitator(data: RunData, progress: Progress) -> RunOutcome:
                 n_processes=min(context.threads, context.recipe.policy.n_envs),
                 precision=Precision.of(context.settings.learning_precision, context.device),
                 device=context.device,
-                on_snapshot=partial(keep_snapshot, data, path=path, console=Console()),
+                on_snapshot=partial(
+                    keep_snapshot, data, path=path, console=context.game.make_console()
+                ),
             )
     data.keep_policy("imitator", path)
     return RunOutcome(

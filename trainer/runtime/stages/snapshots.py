@@ -8,7 +8,7 @@ from trainer.policy.imitation import Snapshot
 from trainer.policy.networks import save_policy
 from trainer.runtime.policy_games import add_game, verify_games
 from trainer.runtime.run_data import RunData
-from tril.games.atari.console import Console
+from tril.games.base import Console
 from tril.store.training import leases, training_games
 
 
@@ -33,9 +33,7 @@ def keep_snapshot(data: RunData, snapshot: Snapshot, path: Path, console: Consol
     with context.database.reading() as session:
         if training_games.latest(session, context.run_id)[0] == snapshot.steps:
             return
-    outcomes = [
-        (tuple((hit.row, hit.column) for hit in game.hits), game.end) for game in snapshot.games
-    ]
+    outcomes = [(tuple(one.cell for one in game.taken), game.died) for game in snapshot.games]
     picked = [snapshot.games[i] for i in training_games.pick(context.behaviour, outcomes)]
     verified = verify_games(context, picked, console)
     sticky = context.recipe.policy.sticky_action_probability

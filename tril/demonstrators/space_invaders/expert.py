@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from tril.behaviours import Behaviour, Cell
 from tril.demonstrators.space_invaders.plans import example_plans
 from tril.demonstrators.space_invaders.player import Planner, PlayStyle
-from tril.games.atari.console import Console
+from tril.games.atari.starts import AtariStart
+from tril.games.base import Cell, Console
+from tril.games.behaviours import Behaviour
 from tril.games.space_invaders.memory import FRAMES_PER_STEP
-from tril.play.episode import Episode, EpisodeState, Start
+from tril.play.episode import Episode, EpisodeState
 
 EXPERT_STYLE = PlayStyle(pace=0.0, aim_px=0.0, wander_px=0.0, wait_steps=0.0)
 """Shoots as soon as possible and walks no further than necessary, so that the timing can be learned
@@ -40,7 +41,7 @@ class Expert:
         assert behaviour.target is not None
         by_column = sorted(behaviour.target, key=lambda cell: (cell[1], cell[0]))
         self._order = behaviour.target if behaviour.ordered else tuple(by_column)
-        self._episode = Episode(console, Start(0))
+        self._episode = Episode(console, AtariStart(0))
         self._planner: Planner | None = None
         self._wanted: list[Cell] = []
         self._made_at = 0
@@ -61,7 +62,7 @@ class Expert:
         if follows and n_done < len(self._plan):
             return self._plan[n_done]
         self._episode.restore(state)
-        hit = [(one.row, one.column) for one in state.hits]
+        hit = [one.cell for one in state.taken]
         # A missile in flight when the planner was made may have hit any alien.
         if self._planner is None or not follows or hit != self._wanted[: len(hit)]:
             self._wanted = [*hit, *(cell for cell in self._order if cell not in hit)]

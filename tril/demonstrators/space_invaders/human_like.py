@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tril.behaviours import Cell
 from tril.demonstrators.error_model import ErrorModel
 from tril.demonstrators.space_invaders.player import (
     PlayStyle,
@@ -21,9 +20,11 @@ from tril.demonstrators.space_invaders.player import (
     rest,
     towards,
 )
+from tril.games.base import Cell
 from tril.games.space_invaders import memory as game
 from tril.games.space_invaders.grid import missile_in_air
 from tril.games.space_invaders.memory import FRAMES_PER_STEP, Action
+from tril.games.space_invaders.readout import alien_grid
 from tril.play.episode import Episode
 from tril.recording import Recorder
 
@@ -89,7 +90,7 @@ class ScreenState:
 def read_screen(episode: Episode) -> ScreenState:
     """Return what a game's screen shows."""
     ram = episode.console.ram_bytes()
-    rows, columns = np.nonzero(episode.aliens)
+    rows, columns = np.nonzero(alien_grid(episode.readout).alive)
     return ScreenState(
         player_x=ram[game.RAM_PLAYER_X],
         columns=tuple(column_centre(episode, column) for column in range(game.COLUMNS)),

@@ -12,10 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tril.behaviours import ROW_1, Behaviour, Cell
 from tril.errors import Invalid
+from tril.games.base import Cell
+from tril.games.behaviours import Behaviour
+from tril.games.space_invaders.behaviours import ROW_1
+from tril.games.space_invaders.ends import EndReason
 from tril.games.space_invaders.memory import COLUMNS, ROWS
-from tril.play.episode import EndReason
 
 N_DEMONSTRATIONS = 12
 _MAX_GRADUAL = 6
@@ -75,7 +77,7 @@ class GameOutcome:
     """
 
     hits: tuple[Cell, ...]
-    end: EndReason | None
+    end: str | None
     n_frames: int
 
 

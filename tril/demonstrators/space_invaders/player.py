@@ -12,11 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tril.behaviours import Cell
+from tril.games.base import Cell
 from tril.games.space_invaders import memory as game
+from tril.games.space_invaders.ends import EndReason
 from tril.games.space_invaders.grid import missile_in_air
 from tril.games.space_invaders.memory import FRAMES_PER_STEP, Action
-from tril.play.episode import EndReason, Episode, EpisodeState
+from tril.games.space_invaders.readout import alien_grid
+from tril.play.episode import Episode, EpisodeState
 from tril.recording import Recorder
 
 _PX_PER_STEP = game.PLAYER_SPEED_PX * FRAMES_PER_STEP
@@ -147,7 +149,7 @@ class Planner:
 
     def next_actions(self) -> Sequence[int]:
         """Return the actions of the next steps, at least one, to be played before the next call."""
-        n_hits = len(self._episode.hits)
+        n_hits = len(self._episode.taken)
         if n_hits == len(self._wanted):
             return self._walk(_player_x(self._episode))
         cell = self._wanted[n_hits]
@@ -187,7 +189,7 @@ class Planner:
     def _hit_at(self, actions: Sequence[int]) -> int | None:
         """Simulate actions; return the frame of a hit on the player, or None."""
         self._play_on(actions)
-        return self._episode.frame if self._episode.end is EndReason.HIT else None
+        return self._episode.frame if self._episode.end == EndReason.HIT else None
 
     def _play_on(self, actions: Iterable[int]) -> None:
         """Simulate actions on the episode, which the caller restores."""
@@ -210,7 +212,7 @@ class Planner:
                     actions = self._fire(cell, aside)
                     if actions is not None:
                         return [*way, *actions]
-                    if self._episode.end is not EndReason.HIT:
+                    if self._episode.end != EndReason.HIT:
                         break  # The missile misses, however the player moves.
             return None
         finally:
@@ -219,7 +221,7 @@ class Planner:
     def _asides(self) -> list[list[int]]:
         """Return moves during the missile's flight, best first: to the next alien, or none."""
         asides = [[], *([int(side)] * n_steps for n_steps in _DODGES for side in _SIDES)]
-        n_next = len(self._episode.hits) + 1
+        n_next = len(self._episode.taken) + 1
         if n_next < len(self._wanted) and self._episode.frame >= self._due[n_next]:
             way = column_centre(self._episode, self._wanted[n_next][1]) - _missile_x(self._episode)
             if abs(way) > game.COLUMN_WIDTH / 2:
@@ -257,17 +259,17 @@ class Planner:
 
         None if the shot misses, hits another alien, or the player is hit then or soon after.
         """
-        n_hits = len(self._episode.hits)
+        n_hits = len(self._episode.taken)
         walk = iter(aside)
         actions = [int(Action.FIRE)]
         self._play_on(actions)
-        while len(self._episode.hits) == n_hits:
+        while len(self._episode.taken) == n_hits:
             in_air = missile_in_air(self._episode.console.ram_bytes())
             if self._episode.end is not None or not in_air or len(actions) > _FLIGHT_STEPS:
                 return None
             actions.append(next(walk, int(Action.NOOP)))
             self._play_on(actions[-1:])
-        new = [(hit.row, hit.column) for hit in self._episode.hits[n_hits:]]
+        new = [(hit.row, hit.column) for hit in self._episode.taken[n_hits:]]
         if new != [cell] or self._hit_at([*walk, *rest(_TAIL_STEPS)]) is not None:
             return None
         return actions
@@ -296,6 +298,6 @@ def column_centre(episode: Episode, column: int) -> int:
     """Return the centre of a column of aliens, in pixels, also of a cleared one."""
     return (
         episode.console.ram_bytes()[game.RAM_ALIEN_X]
-        + game.COLUMN_WIDTH * (column - episode.shifts)
+        + game.COLUMN_WIDTH * (column - alien_grid(episode.readout).shifts)
         + game.ALIEN_CENTRE
     )

@@ -11,15 +11,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from tril.behaviours import Cell
 from tril.demonstrators.error_model import person
 from tril.demonstrators.random_play import play_randomly
 from tril.demonstrators.space_invaders.human_like import HumanLikePlayer
 from tril.demonstrators.space_invaders.plans import DemonstrationPlan, draw_hits
 from tril.demonstrators.space_invaders.player import ScriptedPlayer, draw_style
-from tril.games.atari.console import Console
+from tril.games.base import Cell, Console, Start, draw_start
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.games.space_invaders.memory import COLUMNS, ROWS
-from tril.play.episode import Episode, Start, draw_start
+from tril.play.episode import Episode
 from tril.recording import Recorder, Verified, verify
 
 RANDOM_SHARE = 0.25
@@ -63,10 +63,10 @@ def play_varied(rng: np.random.Generator, console: Console | None = None) -> Ver
     Raises:
         RecordingRefused: The replay differs, because the emulator is not deterministic.
     """
-    console = console or Console()
+    console = console or SPACE_INVADERS.make_console()
     if rng.random() < RANDOM_SHARE:
         return play_randomly(rng, console)
-    start = draw_start(rng)
+    start = draw_start(SPACE_INVADERS.starts, rng)
     wanted = draw_hits(draw_plan(rng), rng, first_column=int(rng.integers(COLUMNS)))
     return _play_towards(wanted, start, rng, console)
 
@@ -84,8 +84,8 @@ def play_low_rows(rng: np.random.Generator, console: Console | None = None) -> V
     Raises:
         RecordingRefused: The replay differs, because the emulator is not deterministic.
     """
-    start = draw_start(rng)
-    return _play_towards(draw_low_rows(rng), start, rng, console or Console())
+    start = draw_start(SPACE_INVADERS.starts, rng)
+    return _play_towards(draw_low_rows(rng), start, rng, console or SPACE_INVADERS.make_console())
 
 
 def draw_low_rows(rng: np.random.Generator) -> tuple[Cell, ...]:

@@ -15,9 +15,8 @@ from tril.exchange.formats.recording_object import (
     parse_recording,
     truncated,
 )
-from tril.games.atari.console import Console
-from tril.games.space_invaders import memory as game
-from tril.play.episode import Ending, EndReason, Hit, Start
+from tril.games import game_named
+from tril.games.base import Console, Game, Taken
 from tril.ranking import Ranking
 from tril.recording import Recording, Replay, verify
 
@@ -49,16 +48,16 @@ class ImportedRecording:
     notices: tuple[str, ...]
 
     @property
-    def hits(self) -> tuple[Hit, ...]:
-        """The aliens shot, in order of time."""
-        return self.replay.hits
+    def taken(self) -> tuple[Taken, ...]:
+        """The items taken, in order of time."""
+        return self.replay.taken
 
 
 def dump_recording(
     recording: Recording,
     *,
-    hits: Sequence[Hit] | None = None,
-    end: EndReason | None = None,
+    taken: Sequence[Taken] | None = None,
+    end: str | None = None,
     tier: int | None = None,
     perfect: bool | None = None,
     source: Source | None = None,
@@ -68,53 +67,57 @@ def dump_recording(
 ) -> dict[str, Any]:
     """Return a recording in the exchange format, ready for json.dumps."""
     optional = {
-        "hits": None if hits is None else [[hit.row, hit.column] for hit in hits],
+        "hits": None if taken is None else [[one.row, one.column] for one in taken],
         "tier": tier,
         "perfect": perfect,
         "source": source,
-        "end": None if end is None else str(end),
-        "ending": None if recording.ending is Ending.HIT else str(recording.ending),
-        "ram_hashes": list(recording.ram_hashes) or None,
+        "end": end,
+        "ending": None if recording.end_rule == recording.game.end_rule else recording.end_rule,
+        "ram_hashes": list(recording.hashes) or None,
         "conditions": conditions or None,
         "parent": parent,
         "notes": notes or None,
     }
-    start = recording.start
     return {
         "format": FORMAT,
         "version": VERSION,
-        "game": game.GAME,
-        "rom_md5": recording.rom_md5,
-        "start": {
-            "idle_frames": start.idle_frames,
-            "mode": start.mode,
-            "difficulty": start.difficulty,
-        },
+        "game": recording.game.name,
+        "rom_md5": recording.version,
+        "start": recording.start.to_json(),
         "actions": base64.b64encode(recording.actions).decode("ascii"),
     } | {key: value for key, value in optional.items() if value is not None}
 
 
-def load_recording(content: object, console: Console | None = None) -> ImportedRecording:
+Consoles = dict[Game, Console]
+"""Consoles to replay on, by game; those that are missing are made."""
+
+
+def load_recording(content: object, consoles: Consoles | None = None) -> ImportedRecording:
     """Load a recording from the exchange format and verify it by a replay.
 
     Args:
         content: Parsed JSON.
-        console: The console to replay on; None loads one.
+        consoles: Consoles to replay on, shared by the recordings of a file.
 
     Raises:
-        RecordingRefused: The content is invalid, was played on another ROM, or its hits or RAM
+        RecordingRefused: The content is invalid, was played on another ROM, or its hits or
             hashes differ from the replay's.
     """
     given = parse_recording(content)
+    game = game_named(given.game)
     recording = Recording(
-        start=Start(given.start.idle_frames, given.start.mode, given.start.difficulty),
+        game=game,
+        start=game.starts.parse(given.start.values()),
         actions=base64.b64decode(given.actions),
-        ram_hashes=tuple(given.ram_hashes or ()),
-        rom_md5=given.rom_md5,
-        ending=Ending(given.ending or Ending.HIT),
+        hashes=tuple(given.ram_hashes or ()),
+        version=given.rom_md5,
+        end_rule=given.ending or "",
     )
-    hits = None if given.hits is None else [(row, column) for row, column in given.hits]
-    verified = verify(recording, hits, console)
+    cells = None if given.hits is None else [(row, column) for row, column in given.hits]
+    consoles = {} if consoles is None else consoles
+    if game not in consoles:
+        consoles[game] = game.make_console()
+    verified = verify(recording, cells, consoles[game])
     return ImportedRecording(
         recording=verified.recording,
         replay=verified.replay,
@@ -124,7 +127,7 @@ def load_recording(content: object, console: Console | None = None) -> ImportedR
         notes=given.notes or "",
         conditions=given.conditions or {},
         parent=given.parent,
-        notices=tuple(_notices(given, verified.replay, verified.n_cut)),
+        notices=tuple(_notices(game, given, verified.replay, verified.n_cut)),
     )
 
 
@@ -150,18 +153,14 @@ def ranking_of(recordings: Sequence[ImportedRecording]) -> tuple[Ranking, tuple[
     return Ranking(tuple(tuple(group) for group in groups.values())), notices
 
 
-def _notices(given: RecordingObject, played: Replay, n_cut: int) -> Iterator[str]:
+def _notices(game: Game, given: RecordingObject, played: Replay, n_cut: int) -> Iterator[str]:
     if n_cut:
-        why = {
-            EndReason.HIT: "the player was hit",
-            EndReason.LIVES: "the player lost a life",
-            EndReason.LANDED: "the aliens landed",
-            EndReason.CLEARED: "no alien was left",
-        }.get(played.end or EndReason.STEPS, f"{game.MAX_STEPS} steps were over")
+        why = game.end(played.end or game.time_end).sentence
         yield f"Cut at frame {played.n_frames}, where {why}; {n_cut} more actions were ignored."
     elif given.end is not None and given.end != played.end:
         end = f"ends with {str(played.end)!r}" if played.end else "does not end"
-        hint = "" if given.end in [*EndReason] else f" Known ends: {', '.join(EndReason)}."
+        known = [known.name for known in game.ends]
+        hint = "" if given.end in known else f" Known ends: {', '.join(known)}."
         yield f"The given end is {truncated(repr(given.end))}, but the replay {end}.{hint}"
     unknown = [
         *(given.model_extra or {}),

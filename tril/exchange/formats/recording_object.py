@@ -17,7 +17,8 @@ from pydantic import (
     ValidationError,
 )
 
-from tril.games.space_invaders.memory import COLUMNS, MAX_IDLE_FRAMES, ROWS
+from tril.games.atari.starts import MAX_IDLE_FRAMES
+from tril.games.space_invaders.memory import COLUMNS, ROWS
 from tril.recording import RecordingRefused
 from tril.text import TextRefused, clean_line, clean_lines
 
@@ -93,6 +94,14 @@ class StartObject(StrictModel):
     difficulty: Annotated[Literal[0, 1], BeforeValidator(reject_bool)] = Field(
         default=0, description="The difficulty switch."
     )
+
+    def values(self) -> dict[str, int]:
+        """Return the values by name."""
+        return {
+            "idle_frames": self.idle_frames,
+            "mode": self.mode,
+            "difficulty": self.difficulty,
+        }
 
 
 class RecordingObject(StrictModel):

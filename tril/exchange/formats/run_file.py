@@ -24,8 +24,8 @@ from tril.exchange.formats.recording_object import (
     normalise_json,
     truncated,
 )
+from tril.games.atari.starts import EVALUATION_START_COUNT
 from tril.games.space_invaders.memory import COLUMNS, MAX_FRAMES, ROWS
-from tril.games.space_invaders.starts import EVALUATION_START_COUNT
 from tril.recording import RecordingRefused
 from tril.stages import Stage
 from tril.store.training.evaluations import ActionSelection

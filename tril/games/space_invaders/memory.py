@@ -1,4 +1,4 @@
-"""All facts about Space Invaders; another game would be another module.
+"""Facts about Space Invaders: addresses, geometry, times.
 
 The addresses, positions and times were measured on the emulator (ALE 0.12.1) and are verified by
 tests. Rows count from 0 at the bottom and columns from 0 at the left in all code; the page shows
@@ -26,17 +26,11 @@ MAX_FRAMES = MAX_STEPS * FRAMES_PER_STEP
 INTRO_FRAMES = 128
 """Frames after a reset in which nothing moves and keys have no effect."""
 
-MAX_IDLE_FRAMES = 127
-"""Maximum number of a start's idle frames after the intro."""
-
 MODES = (0,)
 """Modes in which the detection of aliens is tested; the cartridge has 16."""
 
 DIFFICULTIES = (0, 1)
 """1 doubles the width of the player's cannon."""
-
-Cell = tuple[int, int]
-"""(row from the bottom, column from the left), both from 0, in the grid of aliens."""
 
 ROWS = 6
 COLUMNS = 6
@@ -46,9 +40,9 @@ POINTS = (5, 10, 15, 20, 25, 30)
 BACKGROUND = 0
 """Value of the black background, as palette value and in grayscale."""
 
-SCORE_ROWS = 10
-"""Rows at the top of the 84x84 observation that are zeroed: they show the score, the bonus ship and
-the end of a missile's flight. The topmost aliens start at row 12."""
+SCORE_PX = 25
+"""Height of the area at the top that learning does not see, 10 rows of the observation. It shows
+the score, the bonus ship and the end of a missile's flight; the topmost aliens start below it."""
 
 
 class Action(IntEnum):

@@ -10,11 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from tril.games.atari.console import Console, StartCache
-from tril.games.space_invaders import memory as game
+from tril.games.base import Console, Game, Start, StartCache, Taken
 from tril.play.agent import AgentGame, StickyActions
-from tril.play.episode import Ending, EndReason, Hit, Start
-from tril.play.observation import OBSERVATION_SHAPE, AgentView, AgentViews
+from tril.play.observation import OBSERVATION_SHAPE, AgentView, agent_views
 from tril.play.saved_game import pack_game, unpack_game
 from tril.play.vector.reset_distribution import (
     DemonstrationLog,
@@ -47,9 +45,13 @@ class FinishedGame:
         first_step: the first step played by the vector; 0 unless the episode began with a
             demonstration or an opening.
         from_demonstration: whether it began in a demonstration.
-        hits: the aliens shot, in order of time, since the start.
-        end: why it ended.
-        shots: missiles that left the cannon since the start.
+        taken: the items taken, in order of time, since the start.
+        own_from: frame after which the vector's own actions begin.
+        end: name of the end.
+        died: whether it ended with the player's death.
+        truncated: whether the time limit ended it.
+        counters: counts since the start, by name.
+        score: rewards of the game itself since the start.
     """
 
     game: int
@@ -57,15 +59,18 @@ class FinishedGame:
     actions: bytes
     first_step: int
     from_demonstration: bool
-    hits: tuple[Hit, ...]
-    end: EndReason
-    shots: int
+    taken: tuple[Taken, ...]
+    own_from: int
+    end: str
+    died: bool
+    truncated: bool
+    counters: dict[str, int]
+    score: float
 
     @property
-    def own_hits(self) -> tuple[Hit, ...]:
-        """The aliens shot by the vector's own actions."""
-        first_frame = self.first_step * game.FRAMES_PER_STEP
-        return tuple(hit for hit in self.hits if hit.frame > first_frame)
+    def own_taken(self) -> tuple[Taken, ...]:
+        """The items taken by the vector's own actions."""
+        return tuple(taken for taken in self.taken if taken.frame > self.own_from)
 
 
 @dataclass(frozen=True)
@@ -73,21 +78,23 @@ class GroupConfig:
     """The configuration of a group of games.
 
     Attributes:
+        game: the game.
         n_games: number of games in the whole vector.
         games: indices of the group's games.
         part: number of the vector's part that they belong to.
         reset_distribution: where episodes begin.
-        ending: which rule for the player's death ends an episode.
+        end_rule: name of the rule by which a loss ends an episode.
         max_frames: maximum length of an episode.
         sticky_action_probability: see StickyActions.
         training_seed: seeds the games' generators, together with their indices or starts.
     """
 
+    game: Game
     n_games: int
     games: range
     part: int
     reset_distribution: ResetDistribution
-    ending: Ending
+    end_rule: str
     max_frames: int
     sticky_action_probability: float
     training_seed: int
@@ -139,10 +146,11 @@ class DemonstrationStates:
     """The states before every step of the demonstrations, replayed on first use by a rule."""
 
     def __init__(
-        self, logs: tuple[DemonstrationLog, ...], ending: Ending, start_cache: StartCache
+        self, game: Game, logs: tuple[DemonstrationLog, ...], end_rule: str, start_cache: StartCache
     ) -> None:
+        self._game = game
         self._logs = logs
-        self._ending = ending
+        self._end_rule = end_rule
         self._start_cache = start_cache
         self._states: dict[int, list[bytes]] = {}
 
@@ -153,11 +161,12 @@ class DemonstrationStates:
         return self._states[at.demonstration][at.step]
 
     def _replay(self, log: DemonstrationLog) -> list[bytes]:
-        replay = AgentGame(Console(self._start_cache), self._ending, len(log.actions))
+        console = self._game.make_console(self._start_cache)
+        replay = AgentGame(console, self._end_rule, len(log.actions))
         replay.reset(log.start)
         states = []
         for frame, action in enumerate(log.actions):
-            if frame % game.FRAMES_PER_STEP == 0:
+            if frame % self._game.clock.frames_per_step == 0:
                 states.append(pack_game(replay.save()))
             replay.advance(action)
         return states
@@ -185,7 +194,7 @@ class GameSlot:
         sticky_probability = config.sticky_action_probability
         self._game = AgentGame(
             console,
-            config.ending,
+            config.end_rule,
             config.max_frames,
             StickyActions(sticky_probability, self._sticky_rng) if sticky_probability else None,
             view,
@@ -203,7 +212,7 @@ class GameSlot:
             self._shared.inactive[self._index] = True
         elif isinstance(sample, DemonstrationStep):
             self._first_step = sample.step
-            self._game.restore(unpack_game(self._demonstrations.state(sample)))
+            self._game.restore(unpack_game(self._demonstrations.state(sample), self._game.console))
         else:
             self._first_step = self._game.begin(sample)
 
@@ -231,9 +240,13 @@ class GameSlot:
             actions=episode.actions,
             first_step=self._first_step,
             from_demonstration=self._from_demonstration,
-            hits=episode.hits,
+            taken=episode.taken,
+            own_from=self._first_step * episode.game.clock.frames_per_step,
             end=episode.end,
-            shots=episode.shots,
+            died=episode.died,
+            truncated=episode.end == episode.game.time_end,
+            counters=episode.counters,
+            score=episode.score,
         )
         self._games_before += 1
         self.begin()
@@ -267,7 +280,7 @@ class GameSlot:
         # Checkpoints of earlier versions know no openings.
         self._from_demonstration = small.get("from_demonstration", self._first_step > 0)
         self._shared.inactive[self._index] = small["resting"]
-        self._game.restore(unpack_game(snapshot[end:]))
+        self._game.restore(unpack_game(snapshot[end:], self._game.console))
 
 
 class GameGroup:
@@ -275,17 +288,17 @@ class GameGroup:
 
     def __init__(self, config: GroupConfig, shared: SharedArrays) -> None:
         start_cache: StartCache = {}
-        consoles = [Console(start_cache) for _ in config.games]
+        consoles = [config.game.make_console(start_cache) for _ in config.games]
         # In order, since each start is reached from the one before, and now, so that no step waits.
         for start in sorted(config.reset_distribution.possible_starts):
             consoles[0].start(start)
         demonstrations = DemonstrationStates(
-            config.reset_distribution.demonstrations, config.ending, start_cache
+            config.game, config.reset_distribution.demonstrations, config.end_rule, start_cache
         )
         own = slice(config.games.start, config.games.stop)
         self._half = shared.half[config.part : config.part + 1]
         self._halves = [half[own] for half in shared.observations]
-        self._views = AgentViews(len(config.games), self._halves[0])
+        self._views = agent_views(config.game, len(config.games), self._halves[0])
         self._slots = [
             GameSlot(index, config, shared, demonstrations, view, console)
             for index, view, console in zip(config.games, self._views, consoles, strict=True)

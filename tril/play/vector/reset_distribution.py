@@ -5,9 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
-from tril.games.space_invaders import memory as game
-from tril.games.space_invaders.openings import Opening, draw_opening, start_of
-from tril.games.space_invaders.starts import TRAINING_IDLE_FRAMES, Start, UnknownStart
+from tril.games.base import Game, Opening, Start, start_of
 
 
 @dataclass(frozen=True)
@@ -17,10 +15,12 @@ class DemonstrationLog:
     By the rule that ends the vector's games, which must not end it before its last frame.
 
     Attributes:
+        game: the game.
         start: how the demonstration began.
         actions: the action executed at every frame, one byte each.
     """
 
+    game: Game
     start: Start
     actions: bytes
 
@@ -32,7 +32,7 @@ class DemonstrationLog:
     @property
     def steps(self) -> int:
         """Number of steps that begin within the demonstration."""
-        return -(-len(self.actions) // game.FRAMES_PER_STEP)
+        return self.game.clock.n_steps(len(self.actions))
 
 
 @dataclass(frozen=True)
@@ -84,23 +84,23 @@ class TrainingStarts:
     An episode from a demonstration's step counts the steps before it towards the limit.
 
     Attributes:
-        idle_frames: the idle frames to draw from; by default none of an evaluation start.
+        game: the game.
+        starts: the starts to draw from; none is an evaluation start by default.
         demonstrations: the demonstrations in whose states episodes may begin.
         demonstration_share: share of the episodes that do, 0 to 1.
         opening_share: share of the other episodes that begin after an opening, 0 to 1.
     """
 
-    idle_frames: tuple[int, ...] = TRAINING_IDLE_FRAMES
+    game: Game
+    starts: tuple[Start, ...] = ()
     demonstrations: tuple[DemonstrationLog, ...] = ()
     demonstration_share: float = 0.0
     opening_share: float = 0.0
 
     def __post_init__(self) -> None:
         """Check the values."""
-        if not self.idle_frames:
-            raise UnknownStart("Expected at least one number of idle frames to start from.")
-        for idle_frames in self.idle_frames:
-            Start(idle_frames)
+        if not self.starts:
+            object.__setattr__(self, "starts", tuple(self.game.starts.training))
         for share in (self.demonstration_share, self.opening_share):
             if not 0.0 <= share <= 1.0:
                 raise ValueError(f"Expected a share from 0 to 1, got {share}.")
@@ -109,8 +109,8 @@ class TrainingStarts:
 
     @property
     def possible_starts(self) -> set[Start]:
-        """All starts with these idle frames."""
-        return {Start(idle_frames) for idle_frames in self.idle_frames}
+        """All starts that are drawn from."""
+        return set(self.starts)
 
     def check(self, n_games: int) -> None:
         """Accept any number of games."""
@@ -123,9 +123,9 @@ class TrainingStarts:
             demonstration = int(rng.integers(len(self.demonstrations)))
             step = int(rng.integers(self.demonstrations[demonstration].steps))
             return DemonstrationStep(demonstration, step)
-        start = Start(self.idle_frames[int(rng.integers(len(self.idle_frames)))])
+        start = self.starts[int(rng.integers(len(self.starts)))]
         if self.opening_share > 0.0 and rng.random() < self.opening_share:
-            return draw_opening(start, rng)
+            return self.game.starts.draw_opening(start, rng)
         return start
 
     def rng_key(self, game_index: int) -> tuple[int, ...]:
@@ -171,4 +171,4 @@ class FixedStarts:
         """
         start = start_of(self.starts[game_index])
         earlier = sum(start_of(one) == start for one in self.starts[:game_index])
-        return (start.idle_frames, start.mode, start.difficulty, earlier)
+        return (*start.key, earlier)

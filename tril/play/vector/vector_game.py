@@ -15,8 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tril.cores import core_count
-from tril.games.space_invaders import memory as game
-from tril.play.episode import Ending, EndReason
+from tril.games.base import Game
 from tril.play.observation import Observation
 from tril.play.vector.game_group import (
     Command,
@@ -59,7 +58,7 @@ class VectorStep:
         ended: bool (n,): the games whose episode this step ended.
         terminal_observations: uint8 (n, 4, 84, 84): the episode's last observation where ended,
             undefined elsewhere. A view that the next step overwrites.
-        reasons: why the episode ended, by game; None where it goes on.
+        ends: name of the end of each game's episode; None where it goes on.
         steps: int32 (n,): steps since the start of the episode just stepped.
         finished: the episodes that ended, in order of their games, whose indices count in the whole
             vector.
@@ -68,7 +67,7 @@ class VectorStep:
     observations: Observation
     ended: npt.NDArray[np.bool_]
     terminal_observations: Observation
-    reasons: tuple[EndReason | None, ...]
+    ends: tuple[str | None, ...]
     steps: npt.NDArray[np.int32]
     finished: tuple[FinishedGame, ...]
 
@@ -103,33 +102,36 @@ class VectorGame:
     the caller chooses actions for another.
 
     Attributes:
+        game: the game.
         n_games: number of games.
         parts: the indices of each part's games.
     """
 
     def __init__(
         self,
+        game: Game,
         n_games: int,
         reset_distribution: ResetDistribution,
         *,
         n_processes: int | None = None,
         n_parts: int = 1,
-        ending: Ending = Ending.HIT,
-        max_frames: int = game.MAX_FRAMES,
+        end_rule: str | None = None,
+        max_frames: int | None = None,
         sticky_action_probability: float = 0.0,
         training_seed: int,
     ) -> None:
         """Start the processes and wait until they are ready, about a second.
 
         Args:
+            game: the game.
             n_games: number of games.
             reset_distribution: where episodes begin.
             n_processes: by default one per core; divided evenly among the parts, rounded down, at
                 least one each and at most one per game. With one, the caller's process plays all
                 games.
             n_parts: number of parts, at most one per game.
-            ending: which rule for the player's death ends an episode.
-            max_frames: maximum length of an episode.
+            end_rule: name of the rule by which a loss ends an episode; None for the default.
+            max_frames: maximum length of an episode; None for the game's.
             sticky_action_probability: probability of repeating the previous frame's action.
             training_seed: seed of resets and repeated actions.
 
@@ -140,6 +142,7 @@ class VectorGame:
         if n_games < 1:
             raise ValueError(f"Expected at least one game, got {n_games}.")
         reset_distribution.check(n_games)
+        self.game = game
         self.n_games = n_games
         self.parts = _split(n_games, min(n_parts, n_games))
         self._pending = [False] * len(self.parts)
@@ -150,12 +153,13 @@ class VectorGame:
         n_processes = n_processes or core_count()
         configs = [
             GroupConfig(
+                game,
                 n_games,
                 range(part.start + games.start, part.start + games.stop),
                 number,
                 reset_distribution,
-                ending,
-                max_frames,
+                game.check_end_rule(end_rule or game.end_rule),
+                max_frames or game.clock.max_frames,
                 sticky_action_probability,
                 training_seed,
             )
@@ -192,15 +196,16 @@ class VectorGame:
         """Begin a step of a part's n games; step_wait returns its result.
 
         Args:
-            actions: (n,) with values 0 to 5.
+            actions: (n,), indices of the game's actions.
             part: number of the part; a vector has one unless it was made with more.
         """
         games = self.parts[part]
         actions = np.asarray(actions)
         if actions.shape != (len(games),):
             raise ValueError(f"Expected actions of shape ({len(games)},), got {actions.shape}.")
-        if actions.min() < 0 or actions.max() >= game.ACTION_COUNT:
-            raise ValueError(f"Expected actions from 0 to {game.ACTION_COUNT - 1}, got {actions}.")
+        n_actions = self.game.controls.n_actions
+        if actions.min() < 0 or actions.max() >= n_actions:
+            raise ValueError(f"Expected actions from 0 to {n_actions - 1}, got {actions}.")
         self._check_free(part)
         self._pending[part] = True
         self._shared.actions[games.start : games.stop] = actions
@@ -215,14 +220,14 @@ class VectorGame:
         finished: list[FinishedGame] = []
         for reply in self._receive(part):
             finished.extend(reply or ())
-        reasons: list[EndReason | None] = [None] * len(games)
+        ends: list[str | None] = [None] * len(games)
         for one in finished:
-            reasons[one.game - games.start] = one.end
+            ends[one.game - games.start] = one.end
         return VectorStep(
             observations=self._observations_of(part),
             ended=self._shared.ended[own].copy(),
             terminal_observations=self._shared.terminal_observations[own],
-            reasons=tuple(reasons),
+            ends=tuple(ends),
             steps=self._shared.steps[own].copy(),
             finished=tuple(finished),
         )

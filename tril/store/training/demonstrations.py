@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from sqlalchemy.orm import Session
 
-from tril.behaviours import score
+from tril.games.behaviours import score
 from tril.store import behaviours, recordings
 from tril.store.models import BehaviourRow, RecordingRow, RunRow
+from tril.store.recordings import cells_of
 
 
 def best_demonstration(session: Session, run: RunRow) -> RecordingRow | None:
@@ -25,7 +26,7 @@ def best_demonstration(session: Session, run: RunRow) -> RecordingRow | None:
     behaviour = behaviours.as_behaviour(session.get_one(BehaviourRow, run.behaviour_id))
 
     def worth(row: RecordingRow) -> int:
-        found = score(behaviour, tuple((r, c) for r, c, _ in row.hits))
+        found = score(behaviour, cells_of(row))
         return 0 if found is None else found.worth
 
     return max(known, key=worth, default=None)

@@ -11,9 +11,8 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session, joinedload
 
 from tril.analysis.summary import GameFigures, Policy, PolicySummary, summarise
-from tril.behaviours import Score
-from tril.games.space_invaders.memory import FRAMES_PER_STEP
-from tril.play.episode import DEATHS
+from tril.games import game_named
+from tril.games.behaviours import Score
 from tril.store.borrowed import pick_evenly
 from tril.store.changes import note_change
 from tril.store.models import EvaluationRow
@@ -126,7 +125,7 @@ def proposed_games(
             if g.action_selection != "sampled" or not figures_of(g, n_targets).perfect
         ]
     traits = [
-        (g.action_selection, len(g.recording.hits) if g.targets is None else g.targets, g.strays)
+        (g.action_selection, len(g.recording.taken) if g.targets is None else g.targets, g.strays)
         for g in candidates
     ]
     picked = pick_evenly(traits, N_PROPOSED, np.random.default_rng(0))
@@ -135,12 +134,13 @@ def proposed_games(
 
 def figures_of(row: EvaluationRow, n_targets: int | None = None) -> GameFigures:
     """Return the figures of an evaluation game, loaded with its recording."""
+    game = game_named(row.recording.game)
     return GameFigures(
         targets=row.targets,
         strays=row.strays,
         order_errors=row.order_errors,
-        steps=-(-row.recording.n_frames // FRAMES_PER_STEP),
-        died=row.recording.end in DEATHS,
+        steps=game.clock.n_steps(row.recording.n_frames),
+        died=game.is_death(row.recording.end),
         predicted_return=row.predicted_return,
         n_targets=n_targets,
     )

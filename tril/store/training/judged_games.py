@@ -16,9 +16,10 @@ from tril.analysis.extrapolation import (
     true_quantity,
 )
 from tril.analysis.outcome import CheckOutcome
-from tril.behaviours import score
+from tril.games.behaviours import score
 from tril.store import behaviours, recordings
 from tril.store.models import EvaluationRow, RunRow, Source
+from tril.store.recordings import cells_of
 
 PLAYERS: dict[str, PlayerKind] = {
     Source.PERSON: "person",
@@ -51,7 +52,7 @@ def judged_games(
     measure, predicted = _measure_of(run.outcome.check, games)
     found: dict[tuple[PlayerKind, bool], list[JudgedGame]] = defaultdict(list)
     for number, row in recordings.by_ids(session, list(predicted)).items():
-        worth = score(behaviour, tuple((r, c) for r, c, _ in row.hits))
+        worth = score(behaviour, cells_of(row))
         assert worth is not None
         quantity = true_quantity(worth.targets, worth.strays)
         game = JudgedGame(quantity, predicted[number], number)

@@ -8,10 +8,11 @@ from sqlalchemy.orm import Session
 
 from tril.analysis.reward_alarm import RewardAlarm
 from tril.analysis.verdict import Ended, RunFigures, Verdict, verdict
-from tril.behaviours import score
+from tril.games.behaviours import score
 from tril.recipes import recipe_from_dict
 from tril.store import behaviours
 from tril.store.models import BehaviourRow, RunRow, RunStatus
+from tril.store.recordings import cells_of
 from tril.store.training.demonstrations import best_demonstration
 
 
@@ -49,5 +50,5 @@ def _best_targets(session: Session, run: RunRow) -> int | None:
     if best is None:
         return None
     behaviour = behaviours.as_behaviour(session.get_one(BehaviourRow, run.behaviour_id))
-    hit = score(behaviour, tuple((r, c) for r, c, _ in best.hits))
+    hit = score(behaviour, cells_of(best))
     return None if hit is None else hit.targets

@@ -185,8 +185,8 @@ function Facts({ recording, behaviour }: { recording: Recording; behaviour: Beha
       </p>
       <p className={styles.hint}>
         {moment(recording.created_at)} ·{" "}
-        {plural(recording.shots, { one: "# shot", other: "# shots" })} ·{" "}
-        {plural(recording.idle_frames, {
+        {plural(recording.counters.shots ?? 0, { one: "# shot", other: "# shots" })} ·{" "}
+        {plural(recording.start.idle_frames ?? 0, {
           one: "start after # idle frame",
           other: "start after # idle frames",
         })}

@@ -60,7 +60,10 @@ const HELLO = {
   resumed: false,
   hits: [],
   speed_percent: 100,
-  aliens: { width: 8, height: 10, column_px: 16, row_px: 18 },
+  overlay: {
+    painter: "alien-formation",
+    geometry: { width: 8, height: 10, column_px: 16, row_px: 18 },
+  },
 };
 const ENDED = {
   type: "ended",

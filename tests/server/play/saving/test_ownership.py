@@ -11,10 +11,11 @@ from server.play.replays import ReplayProcess
 from server.play.saving import ownership
 from server.play.saving.ownership import find_refusal
 from tril.errors import Unavailable
-from tril.play.episode import Start
+from tril.games.atari.starts import AtariStart
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.recording import Recording, RecordingRefused
 
-GAME = Recording(Start(0), b"\x00")
+GAME = Recording(SPACE_INVADERS, AtariStart(0), b"\x00")
 
 
 class Failing(ReplayProcess):

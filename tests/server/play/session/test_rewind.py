@@ -13,10 +13,11 @@ from server.play.session.rewind import Checkpoints
 from server.play.wire.protocol import Countdown, FrameMessage, Hello, Paused, Rewound
 from server.play.wire.scene import Scene
 from testsupport.live import QUICK, GameClient, LiveServer, live_server
+from testsupport.space_invaders import Keys
 from testsupport.workplace import Workplace
-from tril.games.atari.console import Console
-from tril.games.space_invaders.controls import Keys
-from tril.play.episode import Episode, Start
+from tril.games.atari.starts import AtariStart
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.play.episode import Episode
 from tril.recording import Recorder
 from tril.store import games, recordings
 from tril.store.models import RecordingState, Source
@@ -27,7 +28,7 @@ def playing(
     live: LiveServer, frame: int, keys: Keys = Keys.RIGHT | Keys.FIRE
 ) -> Iterator[GameClient]:
     """Play a game up to a frame with these keys held."""
-    with live.play(live.new_game(idle_frames=4)) as player:
+    with live.play(live.new_game(start={"idle_frames": 4})) as player:
         player.hold(keys)
         player.begin()
         player.until_frame(frame)
@@ -126,7 +127,7 @@ def test_rewinding_twice_without_playing_keeps_one_branch(live: LiveServer) -> N
 def test_a_connection_that_breaks_while_rewinding_leaves_the_game_where_it_was(
     live: LiveServer,
 ) -> None:
-    game, tab = live.new_game(idle_frames=4), str(uuid.uuid4())
+    game, tab = live.new_game(start={"idle_frames": 4}), str(uuid.uuid4())
     with live.play(game, tab) as player:
         player.begin()
         player.until_frame(120)
@@ -167,7 +168,7 @@ def test_a_game_resumed_in_another_server_loses_nothing_and_can_be_rewound_past_
 ) -> None:
     data = workplace.settings.data
     with live_server(data) as first:
-        game = first.new_game(idle_frames=4)
+        game = first.new_game(start={"idle_frames": 4})
         with first.play(game) as player:
             player.begin()
             player.until_frame(130)
@@ -215,7 +216,7 @@ def test_a_game_can_not_go_on_from_frames_that_were_not_played(live: LiveServer)
 
 
 def test_a_game_can_not_go_on_from_one_that_is_being_played(live: LiveServer) -> None:
-    game = live.new_game(idle_frames=4)
+    game = live.new_game(start={"idle_frames": 4})
     answer = live.http.post(f"/api/games/from/{game['recording_id']}", json={"frame": 0})
     assert answer.status_code == 409
     assert live.http.post("/api/games/from/99999", json={"frame": 0}).status_code == 404
@@ -246,21 +247,21 @@ def test_an_owner_that_lost_its_game_can_not_branch_it(workplace: Workplace) -> 
         game = games.create_from(session, parent, 100, None)
         games.acquire(session, game.id, "a", "tab")
         recording = recordings.as_recording(game.recording)
-        recorder = Recorder.resume(recording, Console())
+        recorder = Recorder.resume(recording, SPACE_INVADERS.make_console())
         lost = games.Progress(game.id, 0, recorder.recording(), recorder.replay())
         assert games.branch(session, lost, lost, None) is None
 
 
 def test_checkpoints_give_every_scene_whether_the_states_are_there_or_not() -> None:
     rng = np.random.default_rng(3)
-    console, checkpoints = Console(), Checkpoints()
-    recorder = Recorder(Episode(console, Start(9)))
+    console, checkpoints = SPACE_INVADERS.make_console(), Checkpoints()
+    recorder = Recorder(Episode(console, AtariStart(9)))
     expected = [Scene.of(recorder.episode)]
     while recorder.episode.frame < 200 and recorder.episode.end is None:
         checkpoints.add_if_due(recorder.episode)
         recorder.advance(int(rng.integers(6)))
         expected.append(Scene.of(recorder.episode))
-    recording, other = recorder.recording(), Console()
+    recording, other = recorder.recording(), SPACE_INVADERS.make_console()
     for known in (checkpoints, Checkpoints()):
         for last in (recording.n_frames, 125, 120, 119, 1, 0):
             given = known.scenes(recording, last, other)
@@ -269,8 +270,8 @@ def test_checkpoints_give_every_scene_whether_the_states_are_there_or_not() -> N
             for frame, scene in given.items():
                 np.testing.assert_array_equal(scene.screen, expected[frame].screen)
                 assert scene.frame == frame
-                assert scene.formation == expected[frame].formation
-                assert scene.shots == expected[frame].shots
+                assert scene.marks == expected[frame].marks
+                assert scene.counted == expected[frame].counted
     checkpoints.discard_after(100)
     state = checkpoints.latest_until(500)
     assert state is not None
@@ -279,15 +280,20 @@ def test_checkpoints_give_every_scene_whether_the_states_are_there_or_not() -> N
 
 def test_a_game_resumed_near_a_checkpoint_is_the_game() -> None:
     rng = np.random.default_rng(4)
-    checkpoints, recorder = Checkpoints(), Recorder(Episode(Console(), Start(9)))
+    checkpoints, recorder = (
+        Checkpoints(),
+        Recorder(Episode(SPACE_INVADERS.make_console(), AtariStart(9))),
+    )
     for action in rng.integers(6, size=190).tolist():
         checkpoints.add_if_due(recorder.episode)
         recorder.advance(action)
     until = recorder.recording().until(170)
-    resumed = Recorder.resume(until, Console(), near=checkpoints.latest_until(170))
+    resumed = Recorder.resume(
+        until, SPACE_INVADERS.make_console(), near=checkpoints.latest_until(170)
+    )
     assert resumed.recording() == until
-    assert resumed.replay() == Recorder.resume(until, Console()).replay()
+    assert resumed.replay() == Recorder.resume(until, SPACE_INVADERS.make_console()).replay()
     for action in recorder.episode.actions[170:]:
         resumed.advance(action)
     assert resumed.recording() == recorder.recording()
-    assert resumed.episode.console.ram_hash() == recorder.episode.console.ram_hash()
+    assert resumed.episode.console.state_hash() == recorder.episode.console.state_hash()

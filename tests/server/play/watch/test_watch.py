@@ -18,6 +18,7 @@ from server.play.rules import PlayRules
 from server.play.session import clock
 from server.play.wire.protocol import MAX_UNACKNOWLEDGED, Close
 from testsupport.live import QUICK, LiveServer, live_server
+from testsupport.space_invaders import Keys
 from testsupport.waiting import wait_until
 from testsupport.watching import Watcher, finished_run, running_inference, watching
 from testsupport.workplace import TINY, Workplace, make_workplace
@@ -28,12 +29,12 @@ from trainer.policy.networks import Policy, load_policy
 from trainer.reward.model import RewardModel
 from trainer.runtime.answers import Models
 from tril.files.artifact_store import ArtifactStore
-from tril.games.atari.console import Console
-from tril.games.space_invaders.controls import Keys
-from tril.games.space_invaders.openings import Opening, evaluation_beginning
-from tril.games.space_invaders.starts import TRAINING_IDLE_FRAMES
+from tril.games.atari.starts import TRAINING_IDLE_FRAMES
+from tril.games.base import Opening, evaluation_beginning
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.ends import Ending
 from tril.play.agent import AgentGame
-from tril.play.episode import Ending, Episode
+from tril.play.episode import Episode
 from tril.recipes import with_values
 from tril.recording import replay, verify
 from tril.store import games, recordings
@@ -97,9 +98,14 @@ def test_a_watched_game_is_the_one_of_the_evaluation(
     scene: Scene, selection: ActionSelection
 ) -> None:
     recipe = with_values(TINY, {"evaluation.openings": True}).evaluation
-    begin = beginnings(recipe, [START])
+    begin = beginnings(SPACE_INVADERS, recipe, [START])
     (expected,) = play(
-        scene.policy("imitator"), begin, selection, model=scene.reward_model(), n_processes=1
+        SPACE_INVADERS,
+        scene.policy("imitator"),
+        begin,
+        selection,
+        model=scene.reward_model(),
+        n_processes=1,
     )
     with watching(scene.live.settings, scene.run_id, f"imitator.{selection}", start=START) as page:
         watch_to_the_end(page)
@@ -107,8 +113,8 @@ def test_a_watched_game_is_the_one_of_the_evaluation(
     assert ended["frame"] == expected.recording.n_frames
     assert ended["reason"] == str(expected.end)
     hits = [(hit["row"], hit["column"], hit["frame"]) for hit in ended["hits"]]
-    assert hits == [(hit.row, hit.column, hit.frame) for hit in expected.hits]
-    assert [hit["frame"] for hit in page.of("hit")] == [hit.frame for hit in expected.hits]
+    assert hits == [(hit.row, hit.column, hit.frame) for hit in expected.taken]
+    assert [hit["frame"] for hit in page.of("hit")] == [hit.frame for hit in expected.taken]
     opening = begin[0]
     assert isinstance(opening, Opening)
     first = 4 * len(opening.actions)
@@ -144,13 +150,19 @@ def test_watched_games_are_paused_after_the_machine_slept(
 
 def test_the_screens_are_those_of_the_evaluations_recording(scene: Scene) -> None:
     recipe = with_values(TINY, {"evaluation.openings": True}).evaluation
-    (expected,) = play(scene.policy("clone"), beginnings(recipe, [3]), "greedy", n_processes=1)
+    (expected,) = play(
+        SPACE_INVADERS,
+        scene.policy("clone"),
+        beginnings(SPACE_INVADERS, recipe, [3]),
+        "greedy",
+        n_processes=1,
+    )
     with watching(scene.live.settings, scene.run_id, "clone.greedy", start=3) as page:
         watch_to_the_end(page)
     found: dict[int, np.ndarray[tuple[int, ...], np.dtype[np.uint8]]] = {}
 
     def look(episode: Episode) -> None:
-        found[episode.frame] = episode.console.screen_palette()
+        found[episode.frame] = episode.console.screen()
 
     replay(expected.recording, on_frame=look)
     last = expected.recording.n_frames
@@ -165,7 +177,7 @@ def test_games_side_by_side_begin_alike_and_keep_in_step(scene: Scene) -> None:
     with watching(scene.live.settings, scene.run_id, *players, draw=7) as page:
         hello = page.until("hello")
         assert hello["start_number"] is None
-        assert hello["idle_frames"] in TRAINING_IDLE_FRAMES
+        assert hello["start"]["idle_frames"] in TRAINING_IDLE_FRAMES
         page.say("play")
         page.until_frame(hello["frame"] + 40)
         page.say("pause")
@@ -227,8 +239,8 @@ def test_attention_is_that_of_the_state_on_the_screen(scene: Scene) -> None:
         # Maps of the policy for the step may come first.
         reward = page.until("attention", lambda message: message["action"] is None)
         page.say("attention", network=None)
-    begun = AgentGame(Console(), Ending.HIT)
-    begun.begin(evaluation_beginning(0, True))
+    begun = AgentGame(SPACE_INVADERS.make_console(), Ending.HIT)
+    begun.begin(evaluation_beginning(SPACE_INVADERS.starts, 0, True))
     for kind, message in zip(("imitator", "clone"), found, strict=True):
         policy = scene.policy(kind)
         subject = ActionOdds.of_choice(policy, begun.observation)
@@ -460,8 +472,9 @@ class LateModels(Models):
 def test_games_wait_for_a_late_answer_and_may_be_paused_meanwhile(workplace: Workplace) -> None:
     run_id = finished_run(workplace)
     (expected,) = play(
+        SPACE_INVADERS,
         Scene(workplace, None, run_id).policy("imitator"),  # type: ignore[arg-type]
-        beginnings(TINY.evaluation, [START]),
+        beginnings(SPACE_INVADERS, TINY.evaluation, [START]),
         "greedy",
         n_processes=1,
     )
@@ -528,5 +541,5 @@ def test_the_part_that_a_policy_played_is_verified(scene: Scene) -> None:
     with scene.made.database.reading() as session:
         row = games.get(session, taken["game_id"]).recording
         recording = recordings.as_recording(row)
-    assert len(recording.ram_hashes) == recording.n_frames // 60
+    assert len(recording.hashes) == recording.n_frames // 60
     assert verify(recording).n_cut == 0

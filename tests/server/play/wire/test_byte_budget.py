@@ -12,8 +12,8 @@ from server.play.wire.byte_budget import BURST_BYTES, RATE_BYTES_PER_S, TokenBuc
 from server.play.wire.protocol import FrameMessage, Hello, InputMessage, client_bytes
 from testsupport.live import GameClient, join
 from testsupport.processes import server_process
+from testsupport.space_invaders import Keys
 from testsupport.workplace import Workplace
-from tril.games.space_invaders.controls import Keys
 
 MESSAGE_BYTES = 14
 """An INPUT or an ACK with its WebSocket header and mask."""
@@ -63,7 +63,7 @@ def flood(player: GameClient) -> int:
 def test_a_flooding_socket_is_cut_off_and_slows_nobody_down(workplace: Workplace) -> None:
     sent: list[int] = []
     with server_process(workplace.settings.data) as server:
-        game, others = server.new_game(idle_frames=4), server.new_game()
+        game, others = server.new_game(start={"idle_frames": 4}), server.new_game()
         with join(server.settings, game) as player, join(server.settings, others) as flooding:
             flooding.until(Hello)
             player.begin()

@@ -11,15 +11,14 @@ import pytest
 from server.play.wire.connection import Connection
 from server.play.wire.protocol import AckMessage, BadMessage, InputMessage, Paused, parse_frame
 from server.play.wire.scene import Scene
-from tril.games.space_invaders.controls import Keys
-from tril.games.space_invaders.grid import Formation
+from testsupport.space_invaders import Keys
 from tril.games.space_invaders.memory import SCREEN_SHAPE
 
 SCREEN = np.zeros(SCREEN_SHAPE, np.uint8)
 
 
 def scene(frame: int, shots: int = 0) -> Scene:
-    return Scene(frame, SCREEN, Formation(23, 31), shots)
+    return Scene(frame, SCREEN, b"\0\0", shots)
 
 
 class Wire:
@@ -102,10 +101,10 @@ def test_a_tap_between_two_frames_counts_for_one_frame() -> None:
     connection = Connection(Wire())
     connection.receive(InputMessage(Keys.FIRE, 1))
     connection.receive(InputMessage(Keys(0), 2))
-    assert connection.take_keys() == Keys.FIRE
-    assert connection.take_keys() == Keys(0)
+    assert connection.take_buttons() == Keys.FIRE
+    assert connection.take_buttons() == Keys(0)
     connection.receive(InputMessage(Keys.LEFT, 3))
-    assert [connection.take_keys() for _ in range(3)] == [Keys.LEFT] * 3
+    assert [connection.take_buttons() for _ in range(3)] == [Keys.LEFT] * 3
 
 
 def test_a_frame_names_the_newest_input_that_it_was_executed_with() -> None:
@@ -114,10 +113,10 @@ def test_a_frame_names_the_newest_input_that_it_was_executed_with() -> None:
         connection = Connection(wire)
         connection.receive(InputMessage(Keys.LEFT, 1))
         await connection.show(scene(0))
-        connection.take_keys()
+        connection.take_buttons()
         connection.receive(InputMessage(Keys.RIGHT, 2))
         await connection.show(scene(1))
-        connection.take_keys()
+        connection.take_buttons()
         await connection.show(scene(2))
         named = [parse_frame(data).input_sequence for data in wire.sent if isinstance(data, bytes)]
         assert named == [0, 1, 2]
@@ -135,7 +134,7 @@ def test_a_shot_is_told_with_the_first_frame_sent_after_it() -> None:
         # Two missiles while the page is behind are told once; a game that is run back tells none.
         connection.receive(AckMessage(6))
         await connection.show(scene(9, 5))
-        told = [parse_frame(data).is_shot for data in wire.sent if isinstance(data, bytes)]
+        told = [parse_frame(data).has_counted for data in wire.sent if isinstance(data, bytes)]
         assert told == [False, False, True, False, False, True, True]
 
     asyncio.run(play())
@@ -159,7 +158,7 @@ def test_taps_while_the_game_is_not_running_can_be_discarded() -> None:
     connection.receive(InputMessage(Keys.FIRE, 1))
     connection.receive(InputMessage(Keys.LEFT, 2))
     connection.discard_taps()
-    assert connection.take_keys() == Keys.LEFT
+    assert connection.take_buttons() == Keys.LEFT
 
 
 def test_a_page_that_has_gone_is_sent_nothing_more() -> None:

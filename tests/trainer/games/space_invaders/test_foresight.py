@@ -8,16 +8,17 @@ import numpy as np
 import pytest
 
 from trainer.games.space_invaders.foresight import HIT_WITHIN, MOVES, N_HITS, N_OUTCOMES, Lookahead
-from tril.games.atari.console import Console
+from tril.games.atari.starts import AtariStart
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.ends import EndReason
 from tril.games.space_invaders.memory import COLUMNS, FRAMES_PER_STEP, MAX_FRAMES, ROWS, Action
-from tril.games.space_invaders.starts import Start
-from tril.play.episode import EndReason, Episode, EpisodeState
+from tril.play.episode import Episode, EpisodeState
 
 
 @pytest.fixture(scope="module")
 def played() -> tuple[list[EpisodeState], Episode]:
     """The states of a game in which the cannon stands still and shoots until it is hit."""
-    episode = Episode(Console(), Start(40))
+    episode = Episode(SPACE_INVADERS.make_console(), AtariStart(40))
     states = [episode.save()]
     while episode.end is None:
         for _ in range(FRAMES_PER_STEP):
@@ -29,7 +30,7 @@ def played() -> tuple[list[EpisodeState], Episode]:
 
 @pytest.fixture(scope="module")
 def lookahead() -> Lookahead:
-    return Lookahead(Console())
+    return Lookahead(SPACE_INVADERS.make_console())
 
 
 def hits_of(outcomes: np.ndarray) -> np.ndarray:
@@ -44,7 +45,7 @@ def test_who_stays_where_the_game_was_lost_is_hit_as_soon(
     played: tuple[list[EpisodeState], Episode], lookahead: Lookahead
 ) -> None:
     states, episode = played
-    assert episode.end is EndReason.HIT
+    assert episode.end == EndReason.HIT
     steps_left = 5
     outcomes = lookahead.outcomes(states[-1 - steps_left])
     assert outcomes.shape == (N_OUTCOMES,)
@@ -58,18 +59,18 @@ def test_a_shot_hits_the_alien_that_it_hits(
     played: tuple[list[EpisodeState], Episode], lookahead: Lookahead
 ) -> None:
     states, _ = played
-    ready = [one for one in states if not one.missile_in_air and one.end is None]
+    ready = [one for one in states if not one.readout["missile_in_air"] and one.end is None]
     for state in ready[:3]:
-        other = Episode(Console(), Start(0))
+        other = Episode(SPACE_INVADERS.make_console(), AtariStart(0))
         other.restore(state)
         for frame in range(HIT_WITHIN[-1] * FRAMES_PER_STEP):
             if other.end is None:
                 other.advance(Action.FIRE if frame < FRAMES_PER_STEP else Action.NOOP)
-        new = other.hits[len(state.hits) :]
+        new = other.taken[len(state.taken) :]
         expected = [(one.row, one.column) for one in new[:1]]
         found = shots_of(lookahead.outcomes(state))[0]
         assert np.argwhere(found).tolist() == [list(one) for one in expected]
-    flying = next(one for one in states if one.missile_in_air and one.end is None)
+    flying = next(one for one in states if one.readout["missile_in_air"] and one.end is None)
     assert not shots_of(lookahead.outcomes(flying)).any()
 
 
@@ -77,12 +78,12 @@ def test_looking_ahead_leaves_the_game_alone_and_knows_when_it_is_over(
     played: tuple[list[EpisodeState], Episode], lookahead: Lookahead
 ) -> None:
     states, episode = played
-    before = episode.console.ram_hash()
+    before = episode.console.state_hash()
     over = lookahead.outcomes(states[-1])
     assert hits_of(over).all()
     assert not shots_of(over).any()
     lookahead.outcomes(states[0])
-    assert episode.console.ram_hash() == before
+    assert episode.console.state_hash() == before
 
 
 def test_the_end_of_time_is_not_foreseen(

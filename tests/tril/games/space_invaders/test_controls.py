@@ -1,6 +1,7 @@
 import pytest
 
-from tril.games.space_invaders.controls import DEFAULT_KEY_CODES, Keys, action_for, keys_for
+from testsupport.space_invaders import Keys, action_for
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.games.space_invaders.memory import Action
 
 
@@ -22,9 +23,11 @@ def test_every_set_of_held_keys_has_its_action(keys: Keys, action: Action) -> No
 
 
 def test_every_key_can_be_held_from_the_keyboard() -> None:
-    assert set(DEFAULT_KEY_CODES.values()) == set(Keys)
+    controls = SPACE_INVADERS.controls
+    assert set(controls.default_keys.values()) == set(controls.buttons)
 
 
 @pytest.mark.parametrize("action", Action)
 def test_the_keys_of_an_action_stand_for_it(action: Action) -> None:
-    assert action_for(keys_for(action)) is action
+    controls = SPACE_INVADERS.controls
+    assert controls.action_for(controls.buttons_for(action)) == action

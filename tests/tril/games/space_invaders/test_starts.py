@@ -1,16 +1,11 @@
 import numpy as np
 import pytest
 
+from testsupport.space_invaders import EVALUATION_STARTS, evaluation_start, idle_frames
 from tril.errors import Invalid
-from tril.play.episode import (
-    EVALUATION_START_COUNT,
-    EVALUATION_STARTS,
-    TRAINING_IDLE_FRAMES,
-    Start,
-    draw_start,
-    evaluation_number,
-    evaluation_start,
-)
+from tril.games.atari.starts import EVALUATION_START_COUNT, TRAINING_IDLE_FRAMES, AtariStart
+from tril.games.base import draw_start
+from tril.games.space_invaders import SPACE_INVADERS
 
 
 def test_evaluation_and_training_starts_make_up_all_starts_without_overlap() -> None:
@@ -32,12 +27,17 @@ def test_evaluation_starts_are_spread_over_the_phases_of_the_frame_skip() -> Non
 
 def test_start_number_names_a_start_and_the_start_its_number() -> None:
     for number in range(EVALUATION_START_COUNT):
-        assert evaluation_number(evaluation_start(number)) == number
-    assert evaluation_number(Start(TRAINING_IDLE_FRAMES[0])) is None
+        assert SPACE_INVADERS.starts.evaluation_number(evaluation_start(number)) == number
+    assert SPACE_INVADERS.starts.evaluation_number(AtariStart(TRAINING_IDLE_FRAMES[0])) is None
 
 
 def test_a_start_at_the_other_difficulty_counts_as_that_evaluation_start() -> None:
-    assert evaluation_number(Start(evaluation_start(3).idle_frames, difficulty=1)) == 3
+    assert (
+        SPACE_INVADERS.starts.evaluation_number(
+            AtariStart(evaluation_start(3).idle_frames, difficulty=1)
+        )
+        == 3
+    )
 
 
 @pytest.mark.parametrize("number", [-1, 32])
@@ -48,7 +48,7 @@ def test_an_unknown_start_number_is_refused(number: int) -> None:
 
 def test_drawn_starts_cover_the_training_starts_and_no_evaluation_start() -> None:
     rng = np.random.default_rng(0)
-    drawn = {draw_start(rng).idle_frames for _ in range(2000)}
+    drawn = {idle_frames(draw_start(SPACE_INVADERS.starts, rng)) for _ in range(2000)}
     assert drawn == set(TRAINING_IDLE_FRAMES)
 
 
@@ -63,4 +63,4 @@ def test_drawn_starts_cover_the_training_starts_and_no_evaluation_start() -> Non
 )
 def test_a_start_that_does_not_exist_is_refused(values: dict[str, int], message: str) -> None:
     with pytest.raises(Invalid, match=message):
-        Start(**values)
+        SPACE_INVADERS.starts.parse(values)

@@ -12,18 +12,14 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from tril.games.atari.console import Console
+from testsupport.space_invaders import EVALUATION_STARTS
+from tril.games.atari.starts import EVALUATION_START_COUNT, AtariStart
+from tril.games.base import Console, Opening
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.games.space_invaders.ends import Ending, EndReason
 from tril.games.space_invaders.memory import Action
-from tril.games.space_invaders.openings import Opening, evaluation_opening
 from tril.play.agent import AgentGame
-from tril.play.episode import (
-    EVALUATION_START_COUNT,
-    EVALUATION_STARTS,
-    Ending,
-    EndReason,
-    EpisodeEnded,
-    Start,
-)
+from tril.play.episode import EpisodeEnded
 from tril.play.observation import Observation
 from tril.play.vector.vector_game import (
     DemonstrationLog,
@@ -39,7 +35,7 @@ from tril.play.vector.vector_game import (
 ROOT = Path(__file__).parents[4]
 # Short episodes, so that many end within few steps.
 MAX_FRAMES = 120
-DEMONSTRATION = DemonstrationLog(Start(7), bytes([2, 1, 4, 1] * 20))
+DEMONSTRATION = DemonstrationLog(SPACE_INVADERS, AtariStart(7), bytes([2, 1, 4, 1] * 20))
 
 
 @dataclass
@@ -72,7 +68,7 @@ def play(vector: VectorGame, actions: npt.NDArray[np.int64], first: Observation)
         trace.finished.extend(step.finished)
         assert [one.game for one in step.finished] == np.flatnonzero(step.ended).tolist()
         for one in step.finished:
-            assert step.reasons[one.game] is one.end
+            assert step.ends[one.game] is one.end
     return trace
 
 
@@ -86,6 +82,7 @@ def traced(
     sticky: float = 0.0,
 ) -> Trace:
     with VectorGame(
+        SPACE_INVADERS,
         n_games,
         starts,
         n_processes=n_processes,
@@ -96,13 +93,15 @@ def traced(
         return play(vector, actions_of(vector, steps), vector.reset())
 
 
-MIXED = TrainingStarts(demonstrations=(DEMONSTRATION,), demonstration_share=0.5)
+MIXED = TrainingStarts(SPACE_INVADERS, demonstrations=(DEMONSTRATION,), demonstration_share=0.5)
 
 
 def test_a_vector_gives_the_trajectories_of_one_console(console: Console) -> None:
-    starts = tuple(Start(idle) for idle in (3, 50, 97))
+    starts = tuple(AtariStart(idle) for idle in (3, 50, 97))
     game = AgentGame(console)
-    with VectorGame(3, FixedStarts(starts), n_processes=2, training_seed=0) as vector:
+    with VectorGame(
+        SPACE_INVADERS, 3, FixedStarts(starts), n_processes=2, training_seed=0
+    ) as vector:
         actions = actions_of(vector, 300)
         trace = play(vector, actions, vector.reset())
         terminal = vector.step(actions[0]).terminal_observations.copy()
@@ -121,8 +120,11 @@ def test_a_vector_gives_the_trajectories_of_one_console(console: Console) -> Non
         np.testing.assert_array_equal(terminal[index], game.observation)
         finished = next(one for one in trace.finished if one.game == index)
         assert finished.actions == game.episode.actions
-        assert finished.hits == finished.own_hits == game.hits
-        assert (finished.end, finished.shots) == (game.end, game.episode.shots)
+        assert finished.taken == finished.own_taken == game.taken
+        assert (finished.end, finished.counters["shots"]) == (
+            game.end,
+            game.episode.counters["shots"],
+        )
 
 
 def test_the_number_of_processes_changes_nothing() -> None:
@@ -146,11 +148,17 @@ def test_every_finished_game_replays_from_its_executed_actions(console: Console)
         game.reset(one.start)
         for action in one.actions:
             game.advance(action)
-        assert (game.end, game.hits, game.episode.shots) == (one.end, one.hits, one.shots)
+        assert (game.end, game.taken, game.episode.counters["shots"]) == (
+            one.end,
+            one.taken,
+            one.counters["shots"],
+        )
 
 
 def test_games_begin_in_the_states_of_a_demonstration_and_keep_its_clock() -> None:
-    source = TrainingStarts(demonstrations=(DEMONSTRATION,), demonstration_share=1.0)
+    source = TrainingStarts(
+        SPACE_INVADERS, demonstrations=(DEMONSTRATION,), demonstration_share=1.0
+    )
     trace = traced(source, steps=100)
     begun = {one.first_step for one in trace.finished}
     assert len(begun) > 3
@@ -159,14 +167,14 @@ def test_games_begin_in_the_states_of_a_demonstration_and_keep_its_clock() -> No
         assert one.start == DEMONSTRATION.start
         assert one.actions[:frames] == DEMONSTRATION.actions[:frames]
         assert len(one.actions) <= MAX_FRAMES
-        assert all(hit.frame > frames for hit in one.own_hits)
-    whole = [one for one in trace.finished if one.end is EndReason.STEPS]
+        assert all(hit.frame > frames for hit in one.own_taken)
+    whole = [one for one in trace.finished if one.end == EndReason.STEPS]
     assert whole
     assert {len(one.actions) for one in whole} == {MAX_FRAMES}
 
 
 def test_games_begin_after_an_opening_that_their_recordings_hold(console: Console) -> None:
-    trace = traced(TrainingStarts(opening_share=1.0), sticky=0.25, steps=100)
+    trace = traced(TrainingStarts(SPACE_INVADERS, opening_share=1.0), sticky=0.25, steps=100)
     assert not any(one.from_demonstration for one in trace.finished)
     assert len({one.first_step for one in trace.finished}) > 2
     game = AgentGame(console, max_frames=MAX_FRAMES)
@@ -174,17 +182,21 @@ def test_games_begin_after_an_opening_that_their_recordings_hold(console: Consol
         game.reset(one.start)
         for action in one.actions:
             game.advance(action)
-        assert (game.end, game.hits) == (one.end, one.hits)
-        assert one.own_hits == one.hits
+        assert (game.end, game.taken) == (one.end, one.taken)
+        assert one.own_taken == one.taken
 
 
 def test_an_evaluation_opening_is_fixed_and_differs_from_the_others() -> None:
-    openings = [evaluation_opening(number) for number in range(EVALUATION_START_COUNT)]
-    assert openings == [evaluation_opening(number) for number in range(EVALUATION_START_COUNT)]
+    openings = [
+        SPACE_INVADERS.starts.evaluation_opening(number) for number in range(EVALUATION_START_COUNT)
+    ]
+    assert openings == [
+        SPACE_INVADERS.starts.evaluation_opening(number) for number in range(EVALUATION_START_COUNT)
+    ]
     assert len({opening.actions for opening in openings}) > 25
     assert [opening.start for opening in openings] == list(EVALUATION_STARTS)
     source = FixedStarts(tuple(openings))
-    with VectorGame(len(openings), source, n_processes=1, training_seed=0) as games:
+    with VectorGame(SPACE_INVADERS, len(openings), source, n_processes=1, training_seed=0) as games:
         games.reset()
         steps = games.step(np.zeros(len(openings), np.int64)).steps
     # All survive their openings, which count towards the length of the game.
@@ -202,12 +214,14 @@ def test_every_evaluation_opening_leaves_a_game_that_can_be_survived(console: Co
 
     moves = (Action.NOOP, Action.LEFT, Action.RIGHT)
     for number in range(EVALUATION_START_COUNT):
-        opening = evaluation_opening(number)
+        opening = SPACE_INVADERS.starts.evaluation_opening(number)
         assert any(survives(opening, move) for move in moves), number
 
 
 def test_a_demonstration_state_is_observed_as_it_was(console: Console) -> None:
-    source = TrainingStarts(demonstrations=(DEMONSTRATION,), demonstration_share=1.0)
+    source = TrainingStarts(
+        SPACE_INVADERS, demonstrations=(DEMONSTRATION,), demonstration_share=1.0
+    )
     seen = []
     replay = AgentGame(console)
     replay.reset(DEMONSTRATION.start)
@@ -215,23 +229,27 @@ def test_a_demonstration_state_is_observed_as_it_was(console: Console) -> None:
         if frame % 4 == 0:
             seen.append(replay.observation)
         replay.advance(action)
-    with VectorGame(6, source, n_processes=1, training_seed=1) as vector:
+    with VectorGame(SPACE_INVADERS, 6, source, n_processes=1, training_seed=1) as vector:
         for observation in vector.reset():
             assert any(np.array_equal(observation, one) for one in seen)
 
 
 def test_the_published_ending_is_an_option() -> None:
-    starts = FixedStarts((Start(0),))
-    with VectorGame(1, starts, ending=Ending.LIFE_COUNTER, training_seed=0) as vector:
+    starts = FixedStarts((AtariStart(0),))
+    with VectorGame(
+        SPACE_INVADERS, 1, starts, end_rule=Ending.LIFE_COUNTER, training_seed=0
+    ) as vector:
         vector.reset()
         while not (step := vector.step(np.array([0]))).ended[0]:
             pass
-    assert step.reasons == (EndReason.LIVES,)
+    assert step.ends == (EndReason.LIVES,)
     assert len(step.finished[0].actions) == 571
 
 
 def test_observations_stay_as_they_are_during_the_next_step() -> None:
-    with VectorGame(2, TrainingStarts(), n_processes=1, training_seed=0) as vector:
+    with VectorGame(
+        SPACE_INVADERS, 2, TrainingStarts(SPACE_INVADERS), n_processes=1, training_seed=0
+    ) as vector:
         vector.reset()
         actions = actions_of(vector, 20)
         before = vector.step(actions[0]).observations
@@ -245,6 +263,7 @@ def test_observations_stay_as_they_are_during_the_next_step() -> None:
 def test_a_restored_snapshot_goes_on_bit_by_bit_in_new_processes(tmp_path: Path) -> None:
     def make(n_processes: int) -> VectorGame:
         return VectorGame(
+            SPACE_INVADERS,
             3,
             MIXED,
             n_processes=n_processes,
@@ -272,6 +291,7 @@ def test_a_restored_snapshot_goes_on_bit_by_bit_in_new_processes(tmp_path: Path)
 def test_parts_step_by_themselves_and_change_nothing(n_processes: int, n_parts: int) -> None:
     expected = traced(MIXED, n_games=5, sticky=0.25)
     with VectorGame(
+        SPACE_INVADERS,
         5,
         MIXED,
         n_processes=n_processes,
@@ -313,7 +333,9 @@ def test_parts_step_by_themselves_and_change_nothing(n_processes: int, n_parts: 
 
 
 def test_a_part_that_is_under_way_waits_for_its_own_result() -> None:
-    with VectorGame(4, TrainingStarts(), n_processes=1, n_parts=2, training_seed=0) as vector:
+    with VectorGame(
+        SPACE_INVADERS, 4, TrainingStarts(SPACE_INVADERS), n_processes=1, n_parts=2, training_seed=0
+    ) as vector:
         vector.reset()
         vector.step_async(np.array([0, 0]), 1)
         with pytest.raises(RuntimeError, match="call step_wait first"):
@@ -328,7 +350,9 @@ def test_a_part_that_is_under_way_waits_for_its_own_result() -> None:
 
 
 def test_a_snapshot_of_another_number_of_games_is_refused() -> None:
-    with VectorGame(2, TrainingStarts(), n_processes=1, training_seed=0) as vector:
+    with VectorGame(
+        SPACE_INVADERS, 2, TrainingStarts(SPACE_INVADERS), n_processes=1, training_seed=0
+    ) as vector:
         vector.reset()
         snapshot = vector.snapshot()
         with pytest.raises(ValueError, match="snapshot of 2 games, got 1"):
@@ -337,10 +361,12 @@ def test_a_snapshot_of_another_number_of_games_is_refused() -> None:
 
 def test_invalid_calls_are_refused_without_effect() -> None:
     with pytest.raises(ValueError, match="at least one game"):
-        VectorGame(0, TrainingStarts(), training_seed=0)
+        VectorGame(SPACE_INVADERS, 0, TrainingStarts(SPACE_INVADERS), training_seed=0)
     with pytest.raises(ValueError, match="2 starts, one per game, got 1"):
-        VectorGame(2, FixedStarts((Start(0),)), training_seed=0)
-    with VectorGame(2, TrainingStarts(), n_processes=1, training_seed=0) as vector:
+        VectorGame(SPACE_INVADERS, 2, FixedStarts((AtariStart(0),)), training_seed=0)
+    with VectorGame(
+        SPACE_INVADERS, 2, TrainingStarts(SPACE_INVADERS), n_processes=1, training_seed=0
+    ) as vector:
         vector.reset()
         with pytest.raises(ValueError, match="shape"):
             vector.step(np.array([0]))
@@ -364,7 +390,9 @@ def children() -> set[int]:
 
 def test_closing_leaves_no_process_behind_and_may_be_done_twice() -> None:
     before = children()
-    vector = VectorGame(3, TrainingStarts(), n_processes=3, training_seed=0)
+    vector = VectorGame(
+        SPACE_INVADERS, 3, TrainingStarts(SPACE_INVADERS), n_processes=3, training_seed=0
+    )
     assert len(children() - before) == 3
     vector.close()
     vector.close()
@@ -375,7 +403,9 @@ def test_closing_leaves_no_process_behind_and_may_be_done_twice() -> None:
 
 def test_a_forgotten_vector_closes_itself() -> None:
     before = children()
-    vector = VectorGame(2, TrainingStarts(), n_processes=2, training_seed=0)
+    vector = VectorGame(
+        SPACE_INVADERS, 2, TrainingStarts(SPACE_INVADERS), n_processes=2, training_seed=0
+    )
     assert children() != before
     del vector
     assert children() == before
@@ -383,7 +413,9 @@ def test_a_forgotten_vector_closes_itself() -> None:
 
 def test_a_killed_process_is_reported() -> None:
     before = children()
-    with VectorGame(2, TrainingStarts(), n_processes=2, training_seed=0) as vector:
+    with VectorGame(
+        SPACE_INVADERS, 2, TrainingStarts(SPACE_INVADERS), n_processes=2, training_seed=0
+    ) as vector:
         vector.reset()
         process = max(children() - before)
         os.kill(process, signal.SIGKILL)
@@ -392,7 +424,9 @@ def test_a_killed_process_is_reported() -> None:
 
 
 def test_an_error_in_a_process_is_raised_with_its_trace() -> None:
-    with VectorGame(2, TrainingStarts(), n_processes=2, training_seed=0) as vector:
+    with VectorGame(
+        SPACE_INVADERS, 2, TrainingStarts(SPACE_INVADERS), n_processes=2, training_seed=0
+    ) as vector:
         vector.reset()
         first, second = vector.snapshot().games
         with pytest.raises(GameProcessFailed, match=r"Traceback[\s\S]*version 1, got 9"):
@@ -400,10 +434,10 @@ def test_an_error_in_a_process_is_raised_with_its_trace() -> None:
 
 
 def test_a_demonstration_that_goes_on_after_its_end_is_refused() -> None:
-    hit_at_443 = DemonstrationLog(Start(0), bytes(500))
-    source = TrainingStarts(demonstrations=(hit_at_443,), demonstration_share=1.0)
+    hit_at_443 = DemonstrationLog(SPACE_INVADERS, AtariStart(0), bytes(500))
+    source = TrainingStarts(SPACE_INVADERS, demonstrations=(hit_at_443,), demonstration_share=1.0)
     with (
-        VectorGame(1, source, n_processes=1, training_seed=0) as vector,
+        VectorGame(SPACE_INVADERS, 1, source, n_processes=1, training_seed=0) as vector,
         pytest.raises(EpisodeEnded, match="ended at frame 443"),
     ):
         vector.reset()
@@ -418,7 +452,8 @@ PARENT = """
 
     # Ignored where the tests run in the background of a script.
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    vector = VectorGame(2, TrainingStarts(), n_processes=2, training_seed=0)
+    starts = TrainingStarts(SPACE_INVADERS)
+    vector = VectorGame(SPACE_INVADERS, 2, starts, n_processes=2, training_seed=0)
     vector.reset()
     print(Path(f"/proc/self/task/{os.getpid()}/children").read_text(), flush=True)
     while True:

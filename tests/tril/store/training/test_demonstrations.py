@@ -20,7 +20,7 @@ def best(workplace: Workplace, run_id: str) -> int | None:
 
 def hit(workplace: Workplace, game: int, cells: list[tuple[int, int]]) -> None:
     with workplace.database.writing() as session:
-        recordings.get(session, game).hits = [[r, c, 60 * n] for n, (r, c) in enumerate(cells, 1)]
+        recordings.get(session, game).taken = [[r, c, 60 * n] for n, (r, c) in enumerate(cells, 1)]
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 
 from testsupport.workplace import Workplace
-from tril.behaviours import Score
+from tril.games.behaviours import Score
 from tril.store.training import evaluations
 from tril.store.training.evaluations import EvaluationKey
 

@@ -7,8 +7,9 @@ import pytest
 
 from testsupport.workplace import Workplace
 from tril.analysis.outcome import CheckOutcome, RunOutcome
-from tril.behaviours import Score
 from tril.demonstrators import play_randomly
+from tril.games.behaviours import Score
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.store import behaviours, borrowed, recordings
 from tril.store.models import Source
 from tril.store.training import evaluations, runs
@@ -21,12 +22,12 @@ def test_every_source_has_a_player() -> None:
 
 
 def test_borrowed_games_are_worth_what_they_are_to_the_run(workplace: Workplace) -> None:
-    game = play_randomly(np.random.default_rng(0))
+    game = play_randomly(np.random.default_rng(0), SPACE_INVADERS.make_console())
     run_id = workplace.make_run()
     with workplace.database.writing() as session:
         column_2 = behaviours.by_slug(session, "column-2").id
         lent = recordings.add(session, column_2, game.recording, game.replay, Source.VARIED)
-        lent.hits = [[0, 0, 10], [1, 0, 20], [0, 1, 30]]
+        lent.taken = [[0, 0, 10], [1, 0, 20], [0, 1, 30]]
         borrowed.borrow(session, workplace.behaviour_id, [lent.id])
         run = runs.get(session, run_id)
         run.outcome = RunOutcome(check=_check({lent.id: 1.5}))

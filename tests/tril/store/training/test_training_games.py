@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from testsupport.workplace import Workplace
-from tril.behaviours import BUILT_IN
-from tril.play.episode import EndReason
+from tril.games.space_invaders.behaviours import BUILT_IN
 from tril.store import recordings
 from tril.store.training import training_games
 from tril.store.training.evaluations import N_PROPOSED
@@ -27,7 +26,7 @@ def test_the_games_of_the_newest_snapshot_are_shown(workplace: Workplace) -> Non
 
 def test_few_games_are_kept_and_of_every_kind() -> None:
     good = tuple((row, 0) for row in range(6))
-    games = [(good, EndReason.STEPS)] * 20 + [((), EndReason.HIT), (((0, 3),), EndReason.STEPS)]
+    games = [(good, False)] * 20 + [((), True), (((0, 3),), False)]
     picked = training_games.pick(COLUMN_1, games)
     assert len(picked) == N_PROPOSED
     assert {20, 21} <= set(picked)

@@ -24,6 +24,19 @@ interface Box {
   readonly height: number;
 }
 
+/** What may be drawn over the screens: the name of a painter, and its constants. */
+export interface Overlay {
+  readonly painter: string;
+  readonly geometry: Readonly<Record<string, number>>;
+}
+
+/** Returns the layout of the grid, or null if the overlay is another one. */
+export function alienGeometry(overlay: Overlay | null): AlienGeometry | null {
+  if (overlay?.painter !== "alien-formation") return null;
+  const { width = 0, height = 0, column_px = 0, row_px = 0 } = overlay.geometry;
+  return { width, height, column_px, row_px };
+}
+
 /** Returns the bounding box of an alien. */
 export function alienBox([row, column]: Cell, at: Formation, aliens: AlienGeometry): Box {
   return {

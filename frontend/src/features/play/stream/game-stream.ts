@@ -7,7 +7,7 @@ import type { Palette } from "@/lib/game/screen";
 import { SilenceWatch } from "@/lib/browser/silence";
 
 import { type FrameMessage, readFrame, writeAck, writeInput } from "./binary-messages";
-import type { AlienGeometry } from "./formation";
+import { type AlienGeometry, alienGeometry } from "./formation";
 import type { GameState, Phase } from "./game-state";
 import { LatencyMeter, type LatencySummary } from "./latency";
 import {
@@ -199,7 +199,7 @@ export class GameStream {
         this.failures = 0;
         this.latency.forget();
         this.maxFrames = message.max_frames;
-        this.geometry = message.aliens;
+        this.geometry = alienGeometry(message.overlay);
         this.screen.setPalette(message.palette);
         if (message.frame === 0) this.keepSpeed(message.speed_percent);
         else this.update({ speed: message.speed_percent });

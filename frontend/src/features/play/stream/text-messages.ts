@@ -1,7 +1,7 @@
 /** The text messages of the play protocol (docs/protocol.md). */
 import type { Palette } from "@/lib/game/screen";
 
-import type { AlienGeometry } from "./formation";
+import type { Overlay } from "./formation";
 
 export interface HitAt {
   readonly row: number;
@@ -18,7 +18,7 @@ interface Hello {
   readonly resumed: boolean;
   readonly hits: readonly HitAt[];
   readonly speed_percent: number;
-  readonly aliens: AlienGeometry;
+  readonly overlay: Overlay | null;
 }
 
 interface Countdown {

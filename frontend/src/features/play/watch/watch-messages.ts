@@ -1,5 +1,5 @@
 /** The messages of a page that watches (docs/protocol.md). */
-import type { AlienGeometry } from "@/features/play/stream/formation";
+import type { Overlay } from "@/features/play/stream/formation";
 import type { HitAt } from "@/features/play/stream/text-messages";
 import type { Palette } from "@/lib/game/screen";
 
@@ -10,8 +10,8 @@ interface WatchHello {
   /** The frame that the policies begin at, after an opening. */
   readonly frame: number;
   readonly speed_percent: number;
-  readonly aliens: AlienGeometry;
-  readonly idle_frames: number;
+  readonly overlay: Overlay | null;
+  readonly start: Readonly<Record<string, number>>;
   readonly start_number: number | null;
   readonly actors: readonly object[];
 }

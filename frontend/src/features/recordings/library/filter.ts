@@ -95,7 +95,7 @@ const COMPARE: Readonly<Record<Filter["order"], Compare>> = {
   targets: (a, b) => hitsOf(b) - hitsOf(a) || (a.strays ?? 0) - (b.strays ?? 0) || newest(a, b),
   strays: (a, b) => (a.strays ?? 0) - (b.strays ?? 0) || hitsOf(b) - hitsOf(a) || newest(a, b),
   longest: (a, b) => b.n_frames - a.n_frames || newest(a, b),
-  shots: (a, b) => a.shots - b.shots || newest(a, b),
+  shots: (a, b) => (a.counters.shots ?? 0) - (b.counters.shots ?? 0) || newest(a, b),
 };
 
 function hitsOf(one: LibraryEntry): number {

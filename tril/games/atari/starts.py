@@ -1,0 +1,182 @@
+"""How games of the Atari 2600 begin, and which starts are reserved for evaluation."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from tril.games.base import JsonObject, Opening, Start, UnknownStart
+
+EVALUATION_START_COUNT = 32
+MAX_IDLE_FRAMES = 127
+"""Maximum number of a start's idle frames after the intro."""
+
+
+@dataclass(frozen=True, order=True)
+class AtariStart(Start):
+    """How a game begins, after its intro.
+
+    Attributes:
+        idle_frames: frames after the intro in which no key is held, 0 to 127.
+        mode: the cartridge's game mode.
+        difficulty: the position of the console's difficulty switch.
+    """
+
+    idle_frames: int
+    mode: int = 0
+    difficulty: int = 0
+
+    @property
+    def key(self) -> tuple[int, ...]:
+        """Idle frames, mode and difficulty."""
+        return (self.idle_frames, self.mode, self.difficulty)
+
+    def to_json(self) -> JsonObject:
+        """Return the values by name."""
+        return {
+            "idle_frames": self.idle_frames,
+            "mode": self.mode,
+            "difficulty": self.difficulty,
+        }
+
+
+def _permutation() -> tuple[int, ...]:
+    """Return the idle frames 0..127 in a fixed order.
+
+    49 is coprime to 128, so the sequence visits all values, with distant neighbours and evenly
+    spread over the four phases of the frame skip.
+    """
+    count = MAX_IDLE_FRAMES + 1
+    return tuple((11 + 49 * n) % count for n in range(count))
+
+
+EVALUATION_IDLE_FRAMES: tuple[int, ...] = _permutation()[:EVALUATION_START_COUNT]
+"""Idle frames of the evaluation starts, by start number."""
+
+TRAINING_IDLE_FRAMES: tuple[int, ...] = tuple(sorted(_permutation()[EVALUATION_START_COUNT:]))
+"""The idle frames for play, demonstrations and training; none is of an evaluation start."""
+
+
+@dataclass(frozen=True)
+class Legs:
+    """Openings of a game: a walk before the game is the player's.
+
+    Starts then differ by more than a delay.
+
+    Attributes:
+        actions: of a leg, equally likely.
+        count: number of legs.
+        max_steps: longest leg.
+        evaluation_seed: seed of the evaluation openings.
+        redrawn: seeds of single start numbers, whose openings would not be survived otherwise.
+    """
+
+    actions: tuple[int, ...]
+    count: int = 3
+    max_steps: int = 14
+    evaluation_seed: int = 1
+    redrawn: dict[int, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class AtariStarts:
+    """The starts of one game.
+
+    Attributes:
+        title: the game's name for people, for errors.
+        legs: its openings.
+        modes: the modes in which it may be played; the first is the default.
+        difficulties: the difficulties at which it may be played; the first is the default.
+    """
+
+    title: str
+    legs: Legs
+    modes: tuple[int, ...] = (0,)
+    difficulties: tuple[int, ...] = (0,)
+    n_evaluation: int = EVALUATION_START_COUNT
+
+    @cached_property
+    def training(self) -> Sequence[Start]:
+        """The starts for play, demonstrations and training."""
+        return tuple(self._start(idle) for idle in TRAINING_IDLE_FRAMES)
+
+    def _start(self, idle_frames: int) -> AtariStart:
+        return AtariStart(idle_frames, self.modes[0], self.difficulties[0])
+
+    def parse(self, data: JsonObject) -> AtariStart:
+        """Read what `AtariStart.to_json` returned; mode and difficulty may be missing.
+
+        Raises:
+            UnknownStart: a value is missing, unknown or out of its range.
+        """
+        known = {"idle_frames", "mode", "difficulty"}
+        for name, value in data.items():
+            if name not in known:
+                raise UnknownStart(f"A start has {', '.join(sorted(known))}, but no {name!r}.")
+            if not isinstance(value, int) or isinstance(value, bool):
+                raise UnknownStart(f"Expected an integer for a start's {name}, got {value!r}.")
+        if "idle_frames" not in data:
+            raise UnknownStart("A start needs its idle_frames.")
+        start = AtariStart(
+            data["idle_frames"],
+            data.get("mode", self.modes[0]),
+            data.get("difficulty", self.difficulties[0]),
+        )
+        if not 0 <= start.idle_frames <= MAX_IDLE_FRAMES:
+            raise UnknownStart(
+                f"Expected 0 to {MAX_IDLE_FRAMES} idle frames, got {start.idle_frames}."
+            )
+        if start.mode not in self.modes:
+            raise UnknownStart(
+                f"Expected game mode {_alternatives(self.modes)}, got {start.mode}: {self.title} is"
+                " not tested in others."
+            )
+        if start.difficulty not in self.difficulties:
+            raise UnknownStart(
+                f"Expected difficulty {_alternatives(self.difficulties)}, got {start.difficulty}."
+            )
+        return start
+
+    def evaluation(self, number: int) -> AtariStart:
+        """Return the evaluation start with this start number.
+
+        Raises:
+            UnknownStart: the number is out of range.
+        """
+        if not 0 <= number < self.n_evaluation:
+            raise UnknownStart(
+                f"Expected a start number from 0 to {self.n_evaluation - 1}, got {number}."
+            )
+        return self._start(EVALUATION_IDLE_FRAMES[number])
+
+    def evaluation_number(self, start: Start) -> int | None:
+        """Return the start number of an evaluation start at any mode and difficulty."""
+        if not isinstance(start, AtariStart) or start.idle_frames not in EVALUATION_IDLE_FRAMES:
+            return None
+        return EVALUATION_IDLE_FRAMES.index(start.idle_frames)
+
+    def draw_opening(self, start: Start, rng: np.random.Generator) -> Opening:
+        """Draw a walk, each leg of one action, held for 0 to so many steps."""
+        legs = self.legs
+        actions: list[int] = []
+        for _ in range(legs.count):
+            action = legs.actions[int(rng.integers(len(legs.actions)))]
+            actions += [action] * int(rng.integers(legs.max_steps, endpoint=True))
+        return Opening(start, tuple(actions))
+
+    def evaluation_opening(self, number: int) -> Opening:
+        """Return the opening of an evaluation start, fixed like the start itself.
+
+        Raises:
+            UnknownStart: the number is out of range.
+        """
+        seed = self.legs.redrawn.get(number, self.legs.evaluation_seed)
+        return self.draw_opening(self.evaluation(number), np.random.default_rng((seed, number)))
+
+
+def _alternatives(values: Sequence[int]) -> str:
+    *others, last = map(str, values)
+    return f"{', '.join(others)} or {last}" if others else last
