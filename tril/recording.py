@@ -87,6 +87,11 @@ class Recording:
         """Number of agent steps, including one cut short by the end."""
         return self.game.clock.n_steps(len(self.actions))
 
+    def as_seen_in(self, game: Game) -> Recording:
+        """Return the recording with what a behaviour's game hides from learning."""
+        settings = replace(self.game.settings, hidden=game.settings.hidden)
+        return replace(self, game=self.game.with_settings(settings))
+
     def until(self, frame: int) -> Recording:
         """Return the recording up to a frame."""
         hashes = self.hashes[: frame // hash_interval(self.game)]
@@ -169,6 +174,7 @@ class Recorder:
             RecordingRefused: The replay differs from the recording.
         """
         _check_version(recording)
+        console = _console(recording, console)
         recorder = cls(Episode(console, recording.start, recording.end_rule, max_frames))
         if near is not None:
             recorder.episode.restore(near)
@@ -226,7 +232,7 @@ def replay(
         console: A console of its game to replay on; None makes one.
         on_frame: Called at the start and after every frame.
     """
-    console = console or recording.game.make_console()
+    console = _console(recording, console)
     recorder = Recorder(Episode(console, recording.start, recording.end_rule))
     episode = recorder.episode
     if on_frame:
@@ -238,6 +244,16 @@ def replay(
         if on_frame:
             on_frame(episode)
     return recorder.replay()
+
+
+def _console(recording: Recording, console: Console | None) -> Console:
+    """Return a console with the recording's game as it was set."""
+    if console is None:
+        return recording.game.make_console()
+    if console.game.name != recording.game.name:
+        raise ValueError(f"Expected a console of {recording.game.name}, got {console.game.name}.")
+    console.game = recording.game
+    return console
 
 
 def verify(
@@ -312,7 +328,7 @@ def trajectory(recording: Recording, console: Console | None = None) -> Trajecto
         RecordingRefused: It was played on another version of the game, or the replay differs.
     """
     _check_version(recording)
-    console = console or recording.game.make_console()
+    console = _console(recording, console)
     view = AgentView(recording.game)
     frames_per_step = recording.game.clock.frames_per_step
     observations = np.empty((recording.n_steps + 1, *OBSERVATION_SHAPE), np.uint8)

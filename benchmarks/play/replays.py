@@ -36,6 +36,7 @@ from tril.games.base import Console
 from tril.games.space_invaders import SPACE_INVADERS
 from tril.games.space_invaders.behaviours import BUILT_IN
 from tril.games.space_invaders.memory import Action
+from tril.play.consoles import Consoles
 from tril.play.episode import Episode
 from tril.recording import Recorder, RecordingRefused
 
@@ -79,7 +80,7 @@ def _play_as_a_person(recorder: Recorder, number: int, rng: np.random.Generator)
 def replays(line: str) -> int | None:
     """Replay a recording; returns its frames, None if it does not verify."""
     try:
-        return load_recording(json.loads(line), {SPACE_INVADERS: _console()}).recording.n_frames
+        return load_recording(json.loads(line), Consoles(_console())).recording.n_frames
     except RecordingRefused:
         return None
 
@@ -90,7 +91,7 @@ def without_a_second(line: str) -> str | None:
     None if nothing was hit or no key was held then.
     """
     content = json.loads(line)
-    shot = load_recording(content, {SPACE_INVADERS: _console()}).replay.taken
+    shot = load_recording(content, Consoles(_console())).replay.taken
     if not shot:
         return None
     actions = bytearray(base64.b64decode(content["actions"]))

@@ -14,7 +14,7 @@ from cli.workspace import Workspace, open_workspace
 from tril.analysis.summary import GameFigures, summarise
 from tril.errors import Invalid
 from tril.files.artifact_store import ArtifactStore
-from tril.games import game_named
+from tril.games import game_of
 from tril.games.atari.starts import EVALUATION_START_COUNT
 from tril.games.behaviours import Behaviour, score
 from tril.recipes import recipe_from_dict
@@ -99,7 +99,7 @@ def _play(
         run = runs.get(session, run_id)
         behaviour = behaviours.as_behaviour(behaviours.get(session, run.behaviour_id))
     recipe = recipe_from_dict(run.recipe)
-    game = game_named(behaviour.game)
+    game = game_of(behaviour)
     with artifacts.local_file(database, store, run_id, policy) as path:
         actor = load_policy(path)
     with artifacts.local_file(database, store, run_id, "reward_model") as path:
@@ -126,7 +126,7 @@ def _figures(behaviour: Behaviour, game: Any) -> GameFigures:
         strays=result.strays if result else None,
         order_errors=result.order_errors if result else None,
         steps=game.recording.n_steps,
-        died=game_named(behaviour.game).is_death(game.end),
+        died=game_of(behaviour).is_death(game.end),
         predicted_return=game.predicted_return,
         n_targets=None if behaviour.target is None else len(behaviour.target),
     )

@@ -1,4 +1,4 @@
-"""Behaviours and recordings are of any game: a start as JSON, items taken, counters, score."""
+"""Behaviours and recordings of any game: settings, starts as JSON, items, counters, score."""
 
 from typing import Any
 
@@ -37,6 +37,9 @@ def upgrade() -> None:
     for name in ("start", "counters"):
         op.add_column("recordings", sa.Column(name, sa.JSON(), nullable=False, server_default="{}"))
     op.add_column("recordings", sa.Column("score", sa.Float()))
+    op.add_column("recordings", sa.Column("max_steps", sa.Integer()))
+    settings = sa.Column("settings", sa.JSON(), nullable=False, server_default="{}")
+    op.add_column("behaviours", settings)
     rows = _rows(*_OF_SPACE_INVADERS)
     _write(
         [
@@ -68,11 +71,12 @@ def downgrade() -> None:
             for row in rows
         ]
     )
-    for name in ("game", "start", "counters", "score"):
+    for name in ("game", "start", "counters", "score", "max_steps"):
         op.drop_column("recordings", name)
     for old, new in _RENAMED.items():
         op.execute(f"ALTER TABLE recordings RENAME COLUMN {new} TO {old}")
-    op.drop_column("behaviours", "game")
+    for name in ("game", "settings"):
+        op.drop_column("behaviours", name)
 
 
 def _rows(*names: str) -> list[sa.Row[Any]]:

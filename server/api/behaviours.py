@@ -15,12 +15,14 @@ from server.api.schemas.behaviours import (
     BehaviourUpdate,
     Checklist,
     PlannedDemonstration,
+    Settings,
 )
 from server.dependencies import BehaviourId, ReadSession, Who, WriteSession
 from server.web.permissions import for_reader
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril.demonstrators import GameOutcome, example_plans, match_plans
 from tril.errors import Invalid
+from tril.games.settings import GameSettings
 from tril.store import behaviours, library
 from tril.store.models import BehaviourRow, RecordingState, Verification
 
@@ -40,7 +42,15 @@ def list_behaviours(session: ReadSession, who: Who) -> list[Behaviour]:
 @router.post("", status_code=201, responses=CONFLICT)
 def create_behaviour(session: WriteSession, new: BehaviourNew) -> Behaviour:
     """Add a behaviour."""
-    row = behaviours.create(session, new.name, new.description, _cells(new.target), new.ordered)
+    row = behaviours.create(
+        session,
+        new.name,
+        new.description,
+        _cells(new.target),
+        new.ordered,
+        game=new.game,
+        settings=GameSettings.from_json(new.settings.model_dump()),
+    )
     return _one(session, row)
 
 
@@ -91,6 +101,9 @@ def update_behaviour(
         target=_cells(update.target) if "target" in given else before.target,
         ordered=row.ordered if update.ordered is None else update.ordered,
         player_id=who.player_id,
+        settings=None
+        if update.settings is None
+        else GameSettings.from_json(update.settings.model_dump()),
     )
     return _one(session, row)
 
@@ -120,8 +133,10 @@ def _one(session: Session, row: BehaviourRow) -> Behaviour:
 
 
 def _view(row: BehaviourRow, counts: Mapping[int, behaviours.Counts]) -> Behaviour:
-    target = behaviours.as_behaviour(row).target
-    return Behaviour.of(row, target=target, **asdict(counts.get(row.id, behaviours.Counts())))
+    behaviour = behaviours.as_behaviour(row)
+    counted = counts.get(row.id, behaviours.Counts())
+    settings = Settings.model_validate(behaviour.settings.to_json())
+    return Behaviour.of(row, target=behaviour.target, settings=settings, **asdict(counted))
 
 
 def _cells(target: list[Cell] | None) -> tuple[Cell, ...] | None:

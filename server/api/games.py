@@ -10,7 +10,7 @@ from server.dependencies import GameId, ReadSession, RecordingId, Who, WriteSess
 from server.play.conditions import PlayConditions
 from server.web.permissions import refuse_behaviour_of_others
 from server.web.problems import CONFLICT, NOT_FOUND
-from tril.games import game_named
+from tril.games import game_of
 from tril.games.base import draw_start
 from tril.store import behaviours, games, recordings
 from tril.store.models import GameRow
@@ -23,7 +23,8 @@ def create_game(request: Request, session: WriteSession, who: Who, new: GameNew)
     """Create a game, which begins when a player joins its stream. 503 if too many are open."""
     refuse_behaviour_of_others(who, new.behaviour_id)
     services_of(request).limits.check(session, who.player_id)
-    starts = game_named(behaviours.get(session, new.behaviour_id).game).starts
+    behaviour = behaviours.as_behaviour(behaviours.get(session, new.behaviour_id))
+    starts = game_of(behaviour).starts
     # Starts of people's games need not be reproducible.
     drawn = draw_start(starts, np.random.default_rng())
     start = drawn if new.start is None else starts.parse(new.start)
@@ -60,6 +61,6 @@ def _view(row: GameRow) -> Game:
         row,
         behaviour_id=row.recording.behaviour_id,
         frame=row.recording.n_frames,
-        max_frames=game_named(row.recording.game).clock.max_frames,
+        max_frames=recordings.as_recording(row.recording).game.clock.max_frames,
         stream_path=f"/api/games/{row.id}/stream",
     )

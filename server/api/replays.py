@@ -20,11 +20,12 @@ from server.play.replays import ReplayTask
 from server.play.replays.products import read_observation, read_observations
 from server.replay_cache import ReplayCache, version_of
 from server.web.problems import NOT_FOUND
-from tril.games.space_invaders.memory import MAX_STEPS
+from tril.games import game_of
+from tril.games.settings import MAX_STEPS
 from tril.inference import AttentionMethod, AttentionNetwork, GivenUp
 from tril.recording import Recording
 from tril.store import behaviours, rankings, recordings
-from tril.store.models import RecordingRow
+from tril.store.models import BehaviourRow, RecordingRow
 from tril.store.training import runs
 
 router = APIRouter()
@@ -138,13 +139,20 @@ def get_ghost(request: Request, behaviour_id: BehaviourId) -> Ghost | None:
     return Ghost.of(track, recording_id=key, source=source)
 
 
+def _as_learned_from(session: Session, run_id: RunId, recording_id: int) -> Recording:
+    """Return a recording with what a training's behaviour hides from learning."""
+    behaviour_id = runs.get(session, str(run_id)).behaviour_id
+    taught = behaviours.as_behaviour(session.get_one(BehaviourRow, behaviour_id))
+    row = recordings.get(session, recording_id)
+    return recordings.as_recording(row).as_seen_in(game_of(taught))
+
+
 @router.get("/runs/{run_id}/reward/{recording_id}", responses=NOT_FOUND, tags=["runs"])
 def get_reward_trace(request: Request, run_id: RunId, recording_id: RecordingId) -> RewardTrace:
     """Return what a training's reward model says of every observation of a recording."""
     services = services_of(request)
     with services.database.reading() as session:
-        runs.get(session, str(run_id))
-        recording = recordings.as_recording(recordings.get(session, recording_id))
+        recording = _as_learned_from(session, run_id, recording_id)
     content = services.replay_cache.get(recording, ReplayTask.OBSERVATIONS)
     judged = services.inference.judge(str(run_id), read_observations(content))
     zero, one = services.inference.scale(str(run_id))
@@ -198,8 +206,7 @@ async def get_attention(
 
     def compute() -> Response:
         with services.database.reading() as session:
-            runs.get(session, str(run_id))
-            recording = recordings.as_recording(recordings.get(session, recording_id))
+            recording = _as_learned_from(session, run_id, recording_id)
         content = services.replay_cache.get(recording, ReplayTask.OBSERVATIONS)
         observation = read_observation(content, step)
         found = services.inference.attention(

@@ -111,8 +111,10 @@ class ConsolePool:
     def _pop(self, game: Game) -> Console | None:
         """Take an idle console of a game out; call with the condition's lock held."""
         for at in reversed(range(len(self._idle))):
-            if self._idle[at].game is game:
-                return self._idle.pop(at)
+            if self._idle[at].game.name == game.name:
+                console = self._idle.pop(at)
+                console.game = game
+                return console
         return None
 
     @contextmanager

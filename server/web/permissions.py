@@ -135,7 +135,17 @@ _OPERATIONS: dict[Need, tuple[str, ...]] = {
 }
 
 PARTICIPANTS_FIELDS: dict[str, tuple[str, ...]] = {
-    "Behaviour": ("id", "slug", "name", "description", "target", "ordered", "built_in"),
+    "Behaviour": (
+        "id",
+        "slug",
+        "name",
+        "description",
+        "game",
+        "settings",
+        "target",
+        "ordered",
+        "built_in",
+    ),
     "Branch": ("recording_id", "frame"),
     "Checklist": ("planned", "note"),
     "Game": ("id", "recording_id", "behaviour_id", "frame", "max_frames", "stream_path"),

@@ -18,7 +18,7 @@ from trainer.nn.devices import learning_device
 from trainer.progress import RunCancelled
 from tril.analysis.outcome import RunOutcome
 from tril.files.artifact_store import ArtifactStore
-from tril.games import game_named
+from tril.games import game_of
 from tril.games.base import Game
 from tril.games.behaviours import Behaviour
 from tril.jobs import RunEta
@@ -86,7 +86,7 @@ class RunContext:
     @cached_property
     def game(self) -> Game:
         """The game that is played."""
-        return game_named(self.behaviour.game)
+        return game_of(self.behaviour)
 
     @cached_property
     def device(self) -> torch.device:

@@ -79,7 +79,10 @@ class RunData:
         missing = [number for number in ids if number not in self._recordings]
         with self.context.database.reading() as session:
             found = recordings.by_ids(session, missing)
-            self._recordings |= {n: recordings.as_recording(row) for n, row in found.items()}
+            self._recordings |= {
+                number: recordings.as_recording(row).as_seen_in(self.context.game)
+                for number, row in found.items()
+            }
         gone = [number for number in ids if number not in self._recordings]
         if gone:
             raise Invalid(f"Recordings {gone} of this training are no longer in the database.")

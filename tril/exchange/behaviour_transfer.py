@@ -19,9 +19,10 @@ from tril.exchange.formats.behaviour_file import (
     RevisionObject,
     parse_behaviour,
 )
-from tril.exchange.formats.recording_file import Consoles, ImportedRecording, load_recording
+from tril.exchange.formats.recording_file import ImportedRecording, load_recording
 from tril.exchange.recording_transfer import dump_row
 from tril.games.base import Cell
+from tril.play.consoles import Consoles
 from tril.recording import RecordingRefused
 from tril.store import audit, behaviours, borrowed, players, rankings, recordings
 from tril.store.database import Database
@@ -192,7 +193,7 @@ def _target(given: BehaviourObject) -> tuple[Cell, ...] | None:
 
 
 def _replayed(given: BehaviourObject) -> dict[int, ImportedRecording]:
-    consoles: Consoles = {}
+    consoles = Consoles()
     replayed: dict[int, ImportedRecording] = {}
     for numbered in given.recordings:
         try:

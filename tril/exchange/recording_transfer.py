@@ -18,6 +18,7 @@ from tril.exchange.formats.recording_file import (
     ranking_of,
 )
 from tril.games.base import Start
+from tril.play.consoles import Consoles
 from tril.recording import Recording
 from tril.store import audit, library, rankings, recordings
 from tril.store.database import Database
@@ -93,7 +94,9 @@ def import_recordings(
     if rank and perfect:
         raise Invalid("Choose either ranking the recordings or marking all of them as perfect.")
     outcome = RecordingImportResult()
-    accepted = _read(file, outcome, max_recordings, load or partial(load_recording, consoles={}))
+    accepted = _read(
+        file, outcome, max_recordings, load or partial(load_recording, consoles=Consoles())
+    )
     if not accepted:
         outcome.n_notices = len(outcome.notices)
         return outcome

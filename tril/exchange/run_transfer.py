@@ -20,7 +20,7 @@ from tril.analysis.outcome import (
     RunSnapshot,
 )
 from tril.demonstrators import kind_named
-from tril.exchange.formats.recording_file import Consoles, load_recording
+from tril.exchange.formats.recording_file import load_recording
 from tril.exchange.formats.recording_object import RecordingObject
 from tril.exchange.formats.run_file import (
     RUN_FORMAT,
@@ -37,6 +37,7 @@ from tril.files.artifact_store import ArtifactStore
 from tril.games import game_named
 from tril.games.base import Taken
 from tril.games.behaviours import Behaviour, score
+from tril.play.consoles import Consoles
 from tril.recipes import checked, recipe_from_dict
 from tril.recording import Recording, RecordingRefused, Replay
 from tril.stages import Stage
@@ -335,7 +336,7 @@ def recorded(archive: RunArchive) -> dict[int, tuple[Recording, Replay]]:
 
 
 def _replayed(archive: RunArchive) -> dict[int, tuple[Recording, Replay]]:
-    consoles: Consoles = {}
+    consoles = Consoles()
     found = {}
     for game, given in (*archive.demonstrations, *archive.games):
         try:

@@ -21,7 +21,7 @@ GROUP = "tril.games"
 _GAMES: Mapping[str, str] = {DEFAULT_GAME: "tril.games.space_invaders:SPACE_INVADERS"}
 """Games with a module of their own, imported when they are asked for."""
 
-_FAMILIES: Sequence[str] = ()
+_FAMILIES: Sequence[str] = ("tril.games.atari.family:ATARI",)
 
 
 class UnknownGame(NotFound):
@@ -48,6 +48,15 @@ def game_named(name: str) -> Game:
         elif (game_of_family := source.game(name)) is not None:
             return game_of_family
     raise UnknownGame(f"There is no game {name!r} here. `tril games list` names those there are.")
+
+
+def game_of(behaviour: Behaviour) -> Game:
+    """Return the game of a behaviour as it sets it.
+
+    Raises:
+        UnknownGame: What brings the game is not installed.
+    """
+    return game_named(behaviour.game).with_settings(behaviour.settings)
 
 
 def game_names() -> list[str]:

@@ -9,7 +9,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, Protocol
 
 import numpy as np
@@ -18,6 +18,14 @@ import numpy.typing as npt
 from tril.errors import Invalid
 from tril.games.behaviours import Behaviour
 from tril.games.behaviours import Cell as Cell
+from tril.games.settings import (
+    MAX_HIDDEN,
+    MAX_STEPS,
+    MIN_STEPS,
+    UNSET,
+    GameSettings,
+)
+from tril.games.settings import Rectangle as Rectangle
 
 Screen = npt.NDArray[np.uint8]
 """A screen: uint8 (height, width) of palette values, or (height, width, 3) RGB."""
@@ -222,6 +230,17 @@ class Starts(Protocol):
             UnknownStart: A value is missing, unknown or out of its range.
         """
 
+    @property
+    def options(self) -> Mapping[str, Sequence[int]]:
+        """What a behaviour can choose of its starts, by name; the first value is the default."""
+
+    def with_options(self, options: Mapping[str, int]) -> Starts:
+        """Return the starts with other options.
+
+        Raises:
+            UnknownStart: There is no such option or value.
+        """
+
     def evaluation(self, number: int) -> Start:
         """Return the evaluation start with this start number.
 
@@ -401,23 +420,6 @@ class Readout(Protocol):
         """Restore a saved state."""
 
 
-@dataclass(frozen=True)
-class Rectangle:
-    """An area of the screen in pixels, from the left and the top; right and bottom are outside."""
-
-    left: int
-    top: int
-    right: int
-    bottom: int
-
-    def __post_init__(self) -> None:
-        if not (0 <= self.left < self.right and 0 <= self.top < self.bottom):
-            raise Invalid(
-                "Expected a rectangle with left < right and top < bottom, got"
-                f" {self.left}, {self.top}, {self.right}, {self.bottom}."
-            )
-
-
 @dataclass(frozen=True, eq=False)
 class ScreenSpec:
     """The screen of a game.
@@ -506,6 +508,7 @@ class Game:
         ghost: Reads the player's track off a recording's memory and start; None if it can't be.
         behaviours: Behaviours that come with it.
         attribution: Licence and origin, where it has to be told.
+        settings: What a behaviour sets of it; is in force in the other attributes.
     """
 
     name: str
@@ -528,6 +531,7 @@ class Game:
     ghost: Callable[[bytes, Start], Track] | None = None
     behaviours: tuple[Behaviour, ...] = ()
     attribution: str = ""
+    settings: GameSettings = UNSET
 
     def make_console(self, start_cache: StartCache | None = None) -> Console:
         """Make a console of the game.
@@ -539,13 +543,15 @@ class Game:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle by name, as consoles and readouts are made by functions of the game's module."""
-        return _unpickled, (self.name, self.screen.hidden)
+        return _unpickled, (self.name, self.settings)
 
-    def with_hidden(self, areas: tuple[Rectangle, ...]) -> Game:
-        """Return the game with other areas hidden from learning."""
-        if areas == self.screen.hidden:
-            return self
-        return replace(self, screen=replace(self.screen, hidden=areas))
+    def with_settings(self, settings: GameSettings) -> Game:
+        """Return the game as a behaviour sets it.
+
+        Raises:
+            Invalid: The game has no such end rule or option, or cannot be as long.
+        """
+        return self if settings == self.settings else _with_settings(self, settings)
 
     def end(self, name: str) -> End:
         """Return the end of this name.
@@ -607,10 +613,47 @@ class Game:
         return name
 
 
-def _unpickled(name: str, hidden: tuple[Rectangle, ...]) -> Game:
+@lru_cache(maxsize=256)
+def _with_settings(game: Game, settings: GameSettings) -> Game:
+    plain = game if game.settings == UNSET else _named(game.name)
+    screen, clock, end_rules = plain.screen, plain.clock, plain.end_rules
+    if settings.hidden is not None:
+        if len(settings.hidden) > MAX_HIDDEN:
+            raise Invalid(f"At most {MAX_HIDDEN} areas can be hidden, got {len(settings.hidden)}.")
+        for area in settings.hidden:
+            if area.right > screen.width or area.bottom > screen.height:
+                raise Invalid(
+                    f"Expected areas within the screen of {screen.width} x {screen.height} pixels,"
+                    f" got one to {area.right}, {area.bottom}."
+                )
+        screen = replace(screen, hidden=settings.hidden)
+    if settings.max_steps is not None:
+        if not MIN_STEPS <= settings.max_steps <= MAX_STEPS:
+            raise Invalid(
+                f"Expected games of {MIN_STEPS} to {MAX_STEPS} steps, got {settings.max_steps}."
+            )
+        clock = replace(clock, max_steps=settings.max_steps)
+    if settings.end_rule is not None:
+        name = plain.check_end_rule(settings.end_rule)
+        end_rules = tuple(sorted(end_rules, key=lambda rule: rule.name != name))
+    return replace(
+        plain,
+        screen=screen,
+        clock=clock,
+        end_rules=end_rules,
+        starts=plain.starts.with_options(dict(settings.options)),
+        settings=settings,
+    )
+
+
+def _named(name: str) -> Game:
     from tril.games import game_named
 
-    return game_named(name).with_hidden(hidden)
+    return game_named(name)
+
+
+def _unpickled(name: str, settings: GameSettings) -> Game:
+    return _named(name).with_settings(settings)
 
 
 class GameFamily(Protocol):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from tril.errors import Invalid
+from tril.games.settings import UNSET, GameSettings
 
 Cell = tuple[int, int]
 """(row from the bottom, column from the left), both from 0, in a grid of items."""
@@ -21,6 +22,7 @@ class Behaviour:
         game: Name of its game.
         target: Items to take, in order if ``ordered``; None if items do not describe it.
         ordered: Whether their order matters.
+        settings: What it sets of its game.
     """
 
     slug: str
@@ -29,6 +31,7 @@ class Behaviour:
     game: str
     target: tuple[Cell, ...] | None = None
     ordered: bool = False
+    settings: GameSettings = UNSET
 
     def __post_init__(self) -> None:
         if not self.name.strip():

@@ -11,9 +11,10 @@ from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from tril.errors import Conflict, NameTaken, NotFound
-from tril.games import DEFAULT_GAME, game_named, ready_made
+from tril.games import DEFAULT_GAME, game_of, ready_made
 from tril.games.base import Cell
 from tril.games.behaviours import Behaviour
+from tril.games.settings import UNSET, GameSettings
 from tril.store import audit
 from tril.store.changes import note_change
 from tril.store.models import (
@@ -57,7 +58,8 @@ class Counts:
 def as_behaviour(row: BehaviourRow) -> Behaviour:
     """Return the behaviour that a row holds."""
     target = None if row.target is None else tuple((r, c) for r, c in row.target)
-    return Behaviour(row.slug, row.name, row.description, row.game, target, row.ordered)
+    settings = GameSettings.from_json(row.settings or {})
+    return Behaviour(row.slug, row.name, row.description, row.game, target, row.ordered, settings)
 
 
 def get(session: Session, behaviour_id: int) -> BehaviourRow:
@@ -137,11 +139,13 @@ def create(
     target: tuple[Cell, ...] | None = None,
     ordered: bool = False,
     game: str = DEFAULT_GAME,
+    settings: GameSettings = UNSET,
 ) -> BehaviourRow:
     """Add a person's own behaviour.
 
     Raises:
-        Invalid: The name is empty or the target is not valid.
+        UnknownGame: There is no such game.
+        Invalid: The name is empty, or the target or a setting is not valid.
         TextRefused: The name or the description can't be accepted.
         NameTaken: There is one of this name.
         Conflict: There are MAX_BEHAVIOURS already.
@@ -152,8 +156,9 @@ def create(
     if (n or 0) >= MAX_BEHAVIOURS:
         raise Conflict(f"There are {n} behaviours already; delete some first.")
     name = clean_line(name, MAX_NAME_LENGTH)
-    behaviour = Behaviour(_free_slug(session, name), name, description, game, target, ordered)
-    game_named(game).check_target(behaviour)
+    slug = _free_slug(session, name)
+    behaviour = Behaviour(slug, name, description, game, target, ordered, settings)
+    game_of(behaviour).check_target(behaviour)
     _refuse_taken_name(session, behaviour.name)
     return _add(session, behaviour, built_in=False)
 
@@ -166,18 +171,24 @@ def update(
     target: tuple[Cell, ...] | None,
     ordered: bool,
     player_id: int | None = None,
+    settings: GameSettings | None = None,
 ) -> None:
     """Change a behaviour, as somebody or, without ``player_id``, as a command in the terminal.
 
     Raises:
-        Invalid: The name is empty or the target is not valid.
+        Invalid: The name is empty, or the target or a setting is not valid.
         NameTaken: Another behaviour has this name.
-        Conflict: The target would change although the behaviour is built-in or has recordings or
-            runs, which were ranked and judged by it.
+        Conflict: The target or a setting would change although the behaviour is built-in or has
+            recordings or runs, which were ranked and judged by it. What is hidden from learning can
+            change until there are runs.
     """
-    changed = Behaviour(row.slug, clean_line(name), description, row.game, target, ordered)
-    game_named(row.game).check_target(changed)
     before = as_behaviour(row)
+    settings = before.settings if settings is None else settings
+    name = clean_line(name)
+    changed = Behaviour(row.slug, name, description, row.game, target, ordered, settings)
+    game_of(changed).check_target(changed)
+    if settings != before.settings:
+        _refuse_other_settings(session, row, settings, before.settings)
     if changed.name != before.name:
         _refuse_taken_name(session, changed.name, besides=row.id)
     if (changed.target, changed.ordered) != (before.target, before.ordered):
@@ -199,6 +210,7 @@ def update(
         audit.note(session, audit.Action.CHANGED, player_id, subject, name=changed.name)
     row.name, row.description = changed.name, changed.description
     row.target, row.ordered = _target_json(changed), changed.ordered
+    row.settings = changed.settings.to_json()
     note_change(session, "behaviour", row.id)
 
 
@@ -266,6 +278,7 @@ def _add(session: Session, behaviour: Behaviour, built_in: bool) -> BehaviourRow
         ordered=behaviour.ordered,
         built_in=built_in,
         game=behaviour.game,
+        settings=behaviour.settings.to_json(),
     )
     session.add(row)
     session.flush()
@@ -275,6 +288,24 @@ def _add(session: Session, behaviour: Behaviour, built_in: bool) -> BehaviourRow
 
 def _target_json(behaviour: Behaviour) -> list[list[int]] | None:
     return None if behaviour.target is None else [list(cell) for cell in behaviour.target]
+
+
+def _refuse_other_settings(
+    session: Session, row: BehaviourRow, settings: GameSettings, before: GameSettings
+) -> None:
+    if row.built_in:
+        raise Conflict("The game of a built-in behaviour can't be set. Make a copy instead.")
+    if replace(settings, hidden=before.hidden) != before and _in_use(session, row.id):
+        raise Conflict(
+            "How the game is played can't be changed any more: games were recorded so. Make a copy"
+            " of the behaviour instead."
+        )
+    trained = select(RunRow.id).where(RunRow.behaviour_id == row.id).limit(1)
+    if settings.hidden != before.hidden and session.scalar(trained) is not None:
+        raise Conflict(
+            "What is hidden from learning can't be changed any more: trainings learned without it."
+            " Make a copy of the behaviour instead."
+        )
 
 
 def _in_use(session: Session, behaviour_id: int) -> bool:

@@ -16,7 +16,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from tril.errors import Conflict, NotFound
-from tril.games import game_named
+from tril.games import game_of
 from tril.recording import Verified
 from tril.store import behaviours, rankings, recordings
 from tril.store.changes import note_change
@@ -159,7 +159,7 @@ def _why_not_lent(session: Session, behaviour_id: int, row: RecordingRow) -> str
 
 def _borrowable(session: Session, behaviour_id: int) -> dict[int, Traits]:
     """Return the behaviour, source and class of length of what other libraries could lend."""
-    game = game_named(session.get_one(BehaviourRow, behaviour_id).game)
+    game = game_of(behaviours.as_behaviour(session.get_one(BehaviourRow, behaviour_id)))
     max_frames = game.clock.max_frames
     query = (
         select(

@@ -15,9 +15,10 @@ from sqlalchemy import Select, bindparam, func, select, update
 from sqlalchemy.orm import Session, joinedload
 
 from tril.errors import Conflict, Invalid, NotFound
-from tril.games import game_named
+from tril.games import game_of
 from tril.games.base import Start
 from tril.recording import Recording, Replay, Verified
+from tril.store.behaviours import as_behaviour
 from tril.store.changes import note_change
 from tril.store.database import database_now
 from tril.store.models import (
@@ -76,7 +77,7 @@ class Progress:
 
 def create(session: Session, behaviour_id: int, start: Start, player_id: int | None) -> GameRow:
     """Begin a game without an owner, and its recording."""
-    game = game_named(session.get_one(BehaviourRow, behaviour_id).game)
+    game = game_of(as_behaviour(session.get_one(BehaviourRow, behaviour_id)))
     return _create(session, _playing(behaviour_id, Recording(game, start, b""), player_id))
 
 

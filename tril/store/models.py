@@ -251,7 +251,10 @@ class PlayerRow(Base):
 
 
 class BehaviourRow(Base):
-    """A behaviour (see tril.behaviours.Behaviour). ``target`` is a list of [row, column]."""
+    """A behaviour (see tril.games.behaviours.Behaviour).
+
+    ``target`` is a list of [row, column]; ``settings`` are those of its game, as JSON.
+    """
 
     __tablename__ = "behaviours"
 
@@ -263,6 +266,7 @@ class BehaviourRow(Base):
     ordered: Mapped[bool] = mapped_column(Boolean, default=False)
     built_in: Mapped[bool] = mapped_column(Boolean, default=False)
     game: Mapped[str] = mapped_column(String(160), server_default="space_invaders")
+    settings: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict, server_default="{}")
     created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
     deleted_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
 
@@ -271,7 +275,8 @@ class RecordingRow(Base):
     """One played episode: its game, start, end rule and the action executed at every frame.
 
     ``taken`` is a list of [row, column, frame] in order of time; ``hashes`` one digest after every
-    second; ``n_frames`` the number of actions. Deletion only sets ``deleted_at``.
+    second; ``n_frames`` the number of actions. ``max_steps`` is the longest that it could become,
+    None for the game's own length. Deletion only sets ``deleted_at``.
     """
 
     __tablename__ = "recordings"
@@ -289,6 +294,7 @@ class RecordingRow(Base):
     game_version: Mapped[str] = mapped_column(String(32))
     start: Mapped[dict[str, Any]] = mapped_column(JSON, server_default="{}")
     end_rule: Mapped[str] = mapped_column(String(16), default="hit", server_default="hit")
+    max_steps: Mapped[int | None] = mapped_column(Integer)
     actions: Mapped[bytes] = mapped_column(LargeBinary, default=b"")
     n_frames: Mapped[int] = mapped_column(Integer, default=0)
     hashes: Mapped[list[str]] = mapped_column(JSON, default=list)

@@ -11,6 +11,7 @@ from sqlalchemy.orm import Session, load_only
 from tril.errors import Conflict, Invalid, NotFound
 from tril.games import game_named
 from tril.games.base import Cell, Taken
+from tril.games.settings import GameSettings
 from tril.recording import Recording, Replay
 from tril.store import audit, rankings
 from tril.store.changes import note_change, note_recordings
@@ -24,7 +25,7 @@ ROWS_IN_MEMORY = 200
 
 def as_recording(row: RecordingRow) -> Recording:
     """Return the recording that a row holds."""
-    game = game_named(row.game)
+    game = game_named(row.game).with_settings(GameSettings(max_steps=row.max_steps))
     return Recording(
         game=game,
         start=game.starts.parse(row.start),
@@ -73,6 +74,7 @@ def columns_of(recording: Recording, played: Replay) -> dict[str, Any]:
     return {
         "game": recording.game.name,
         "game_version": recording.version,
+        "max_steps": recording.game.settings.max_steps,
         "start": recording.start.to_json(),
         "end_rule": recording.end_rule,
         "actions": recording.actions,

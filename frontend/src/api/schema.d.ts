@@ -1400,6 +1400,8 @@ export interface components {
             built_in: boolean;
             /** Description */
             description: string;
+            /** Game */
+            game: string;
             /** Has Example */
             has_example: boolean;
             /** Id */
@@ -1416,6 +1418,7 @@ export interface components {
             name: string;
             /** Ordered */
             ordered: boolean;
+            settings: components["schemas"]["Settings"];
             /** Slug */
             slug: string;
             /** Target */
@@ -1426,7 +1429,7 @@ export interface components {
         };
         /**
          * BehaviourNew
-         * @description A behaviour to add.
+         * @description A behaviour to add. ``game`` is one of the catalogue's.
          */
         BehaviourNew: {
             /**
@@ -1434,6 +1437,11 @@ export interface components {
              * @default
              */
             description: string;
+            /**
+             * Game
+             * @default space_invaders
+             */
+            game: string;
             /** Name */
             name: string;
             /**
@@ -1441,6 +1449,12 @@ export interface components {
              * @default false
              */
             ordered: boolean;
+            /**
+             * @default {
+             *       "options": {}
+             *     }
+             */
+            settings: components["schemas"]["Settings"];
             /** Target */
             target?: [
                 number,
@@ -1458,6 +1472,7 @@ export interface components {
             name?: string | null;
             /** Ordered */
             ordered?: boolean | null;
+            settings?: components["schemas"]["Settings"] | null;
             /** Target */
             target?: [
                 number,
@@ -2772,6 +2787,33 @@ export interface components {
             name?: string | null;
             /** Notes */
             notes?: string | null;
+        };
+        /**
+         * Settings
+         * @description What a behaviour sets of its game; null leaves it as the game has it.
+         *
+         *     ``hidden`` are areas of the screen that learning does not see: left, top, right, bottom in
+         *     pixels, the last two outside. ``options`` are those of the game's starts.
+         */
+        Settings: {
+            /** End Rule */
+            end_rule?: string | null;
+            /** Hidden */
+            hidden?: [
+                number,
+                number,
+                number,
+                number
+            ][] | null;
+            /** Max Steps */
+            max_steps?: number | null;
+            /**
+             * Options
+             * @default {}
+             */
+            options: {
+                [key: string]: number;
+            };
         };
         /**
          * SharedPlaces

@@ -6,8 +6,10 @@ from typing import Annotated, Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 
-Row = Annotated[int, Field(strict=True, ge=0, le=5)]
-Column = Annotated[int, Field(strict=True, ge=0, le=5)]
+MAX_CELLS = 255
+"""Most rows and columns of a grid of items, and most targets of a behaviour."""
+Row = Annotated[int, Field(strict=True, ge=0, le=MAX_CELLS)]
+Column = Annotated[int, Field(strict=True, ge=0, le=MAX_CELLS)]
 Cell = tuple[Row, Column]
 """(row from the bottom, column from the left), from 0."""
 

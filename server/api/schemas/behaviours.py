@@ -2,11 +2,29 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 from pydantic import Field, StrictBool
 
-from server.api.schemas.base import Cell, Schema
+from server.api.schemas.base import MAX_CELLS, Cell, Schema
+from tril.games import DEFAULT_GAME
 from tril.store.models import Source
 from tril.text import Line, Lines
+
+Pixel = Annotated[int, Field(strict=True, ge=0, le=4096)]
+
+
+class Settings(Schema):
+    """What a behaviour sets of its game; null leaves it as the game has it.
+
+    ``hidden`` are areas of the screen that learning does not see: left, top, right, bottom in
+    pixels, the last two outside. ``options`` are those of the game's starts.
+    """
+
+    hidden: list[tuple[Pixel, Pixel, Pixel, Pixel]] | None = Field(default=None, max_length=16)
+    max_steps: int | None = Field(default=None, strict=True, ge=1, le=100_000)
+    end_rule: str | None = Field(default=None, max_length=32)
+    options: dict[str, int] = Field(default={}, max_length=8)
 
 
 class Behaviour(Schema):
@@ -16,6 +34,8 @@ class Behaviour(Schema):
     slug: str
     name: str
     description: str
+    game: str
+    settings: Settings
     target: list[Cell] | None
     ordered: bool
     built_in: bool
@@ -27,11 +47,14 @@ class Behaviour(Schema):
 
 
 class BehaviourNew(Schema):
-    """A behaviour to add."""
+    """A behaviour to add. ``game`` is one of the catalogue's."""
+
+    game: str = Field(default=DEFAULT_GAME, min_length=1, max_length=160)
+    settings: Settings = Settings()
 
     name: Line = Field(min_length=1, max_length=120)
     description: Lines = Field(default="", max_length=2000)
-    target: list[Cell] | None = Field(default=None, max_length=36)
+    target: list[Cell] | None = Field(default=None, max_length=MAX_CELLS)
     ordered: StrictBool = False
 
 
@@ -40,8 +63,9 @@ class BehaviourUpdate(Schema):
 
     name: Line | None = Field(default=None, min_length=1, max_length=120)
     description: Lines | None = Field(default=None, max_length=2000)
-    target: list[Cell] | None = Field(default=None, max_length=36)
+    target: list[Cell] | None = Field(default=None, max_length=MAX_CELLS)
     ordered: StrictBool | None = None
+    settings: Settings | None = None
 
 
 class PlannedDemonstration(Schema):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from sqlalchemy.orm import Session
 
 from server.api.schemas.library import Library, LibraryColumns
-from tril.games import game_named
+from tril.games import game_of
 from tril.games.behaviours import score
 from tril.store import behaviours, library, rankings
 from tril.store.access.credentials import Identity
@@ -30,7 +30,7 @@ def library_view(
         borrowed: Whether it is what the behaviour has borrowed, which is never perfect there.
     """
     target = behaviours.as_behaviour(behaviour)
-    game = game_named(target.game)
+    game = game_of(target)
     entries = brief.entries
     knows_all = not who.is_participant
     cells = [tuple((row, column) for row, column, _ in entry.taken) for entry in entries]

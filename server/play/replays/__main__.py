@@ -11,7 +11,8 @@ import signal
 import sys
 import traceback
 
-from server.play.replays.request import Answer, AnyRequest, ConsoleShelf, execute
+from server.play.replays.request import Answer, AnyRequest, execute
+from tril.play.consoles import Consoles
 from tril.recording import RecordingRefused
 
 NICENESS = 5
@@ -27,7 +28,7 @@ def main() -> None:
     requests, answers = sys.stdin.buffer, sys.stdout.buffer
     # Keep other output, the emulator's for one, out of the answers.
     sys.stdout = sys.stderr
-    consoles = ConsoleShelf()
+    consoles = Consoles()
     while True:
         try:
             request: AnyRequest = pickle.load(requests)
@@ -37,7 +38,7 @@ def main() -> None:
         answers.flush()
 
 
-def _answer(request: AnyRequest, consoles: ConsoleShelf) -> Answer:
+def _answer(request: AnyRequest, consoles: Consoles) -> Answer:
     try:
         return Answer(content=execute(request, consoles))
     except RecordingRefused as refusal:

@@ -15,9 +15,10 @@ from server.play.replays.products import (
     thumbnail_png,
 )
 from tril.demonstrators.varied import play_varied
-from tril.exchange.formats.recording_file import Consoles, ImportedRecording, load_recording
+from tril.exchange.formats.recording_file import ImportedRecording, load_recording
 from tril.games import game_named
-from tril.games.base import Cell, Console, Game
+from tril.games.base import Cell, Console
+from tril.play.consoles import Consoles
 from tril.recording import Recording, Verified, verify
 
 
@@ -97,31 +98,19 @@ _PRODUCTS: Mapping[ReplayTask, Callable[[Recording, Console], bytes]] = {
 }
 
 
-MAX_CONSOLES = 4
-
-
-class ConsoleShelf(Consoles):
-    """Consoles by game, of the games that were used last."""
-
-    def __missing__(self, game: Game) -> Console:
-        """Make a console, in place of that of the game that was not used for longest."""
-        while len(self) >= MAX_CONSOLES:
-            self.pop(next(iter(self))).close()
-        self[game] = game.make_console()
-        return self[game]
-
-
-def execute(request: AnyRequest, consoles: ConsoleShelf) -> Content:
+def execute(request: AnyRequest, consoles: Consoles) -> Content:
     """Replay a recording and return the product, nothing for a passed check; or play or load one.
 
     Raises:
         RecordingRefused: The replay differs from what was recorded.
     """
     if isinstance(request, VariedPlayRequest):
-        return play_varied(np.random.default_rng(request.seed), consoles[game_named(request.game)])
+        return play_varied(
+            np.random.default_rng(request.seed), consoles.of(game_named(request.game))
+        )
     if isinstance(request, LoadRequest):
         return load_recording(request.content, consoles)
-    console = consoles[request.recording.game]
+    console = consoles.of(request.recording.game)
     if request.task is ReplayTask.CHECK:
         verify(request.recording, request.taken, console)
         return b""

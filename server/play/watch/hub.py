@@ -27,7 +27,7 @@ from server.play.watch.session import WatchEvents, WatchSession
 from server.play.watch.watch_socket import WatchSocket
 from server.play.wire.protocol import Close
 from tril.errors import NotFound
-from tril.games import game_named
+from tril.games import game_of
 from tril.games.base import Console, Game, Opening, Start, draw_start, evaluation_beginning
 from tril.games.behaviours import Behaviour
 from tril.inference import Endpoint
@@ -287,7 +287,7 @@ def _plan(session: Session, request: WatchRequest, player_id: int) -> WatchPlan:
         _check_trained(session, run, actor.policy)
     recipe = recipe_from_dict(run.recipe)
     behaviour = behaviours.as_behaviour(behaviours.get(session, run.behaviour_id))
-    game = game_named(behaviour.game)
+    game = game_of(behaviour)
     return WatchPlan(
         player_id,
         run.id,

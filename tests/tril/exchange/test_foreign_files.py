@@ -15,6 +15,7 @@ from tril.exchange.formats.jsonl import read_lines
 from tril.exchange.formats.recording_file import load_recording
 from tril.exchange.recording_transfer import MAX_EXAMPLES, import_recordings
 from tril.games.space_invaders import SPACE_INVADERS
+from tril.play.consoles import Consoles
 
 RECORDING = (
     '{"format": "tril-recording", "version": 1, "game": "space_invaders",'
@@ -109,7 +110,7 @@ def test_of_many_refusals_some_are_shown_and_all_are_counted(workplace: Workplac
         workplace.database,
         workplace.behaviour_id,
         given,
-        load=lambda content: load_recording(content, {SPACE_INVADERS: console}),
+        load=lambda content: load_recording(content, Consoles(console)),
     )
     assert len(outcome.recording_ids) == 1
     assert outcome.n_refused == 5_000

@@ -30,6 +30,7 @@ from tril.games.base import Console, Start
 from tril.games.space_invaders import SPACE_INVADERS
 from tril.games.space_invaders.ends import EndReason
 from tril.games.space_invaders.memory import Action, rom_md5
+from tril.play.consoles import Consoles
 from tril.play.episode import Episode
 from tril.recording import Recorder, Recording, RecordingRefused
 from tril.store import models
@@ -80,7 +81,7 @@ def content(full: dict[str, Any]) -> dict[str, Any]:
 def _refusal(content: object, console: Console) -> str:
     # Not pytest.raises, whose traceback would keep the console alive until the very end.
     try:
-        load_recording(content, {SPACE_INVADERS: console})
+        load_recording(content, Consoles(console))
     except RecordingRefused as refusal:
         return str(refusal)
     pytest.fail("It was accepted.")
@@ -180,7 +181,7 @@ def test_the_documented_example_writes_a_recording_that_is_accepted(console: Con
     done = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, check=True
     )
-    given = load_recording(json.loads(done.stdout), {SPACE_INVADERS: console})
+    given = load_recording(json.loads(done.stdout), Consoles(console))
     assert given.replay.end == EndReason.HIT
     assert given.notices == ()
 
@@ -196,7 +197,7 @@ def test_a_recording_survives_the_round_trip(
     console: Console, played: Recorder, content: dict[str, Any]
 ) -> None:
     through_json = json.loads(json.dumps(content, allow_nan=False))
-    assert load_recording(through_json, {SPACE_INVADERS: console}) == ImportedRecording(
+    assert load_recording(through_json, Consoles(console)) == ImportedRecording(
         recording=played.recording(),
         replay=played.replay(),
         tier=3,
@@ -213,7 +214,7 @@ def test_numbers_in_the_conditions_stay_as_they_are(
     console: Console, content: dict[str, Any]
 ) -> None:
     content["tier"] = 3.0
-    given = load_recording(content, {SPACE_INVADERS: console})
+    given = load_recording(content, Consoles(console))
     assert isinstance(given.tier, int)
     assert isinstance(given.conditions["delay_s"], float)
 
@@ -233,7 +234,7 @@ def test_any_short_game_survives_the_round_trip(
             if recorder.episode.end is None:
                 recorder.advance(action)
     content = dump_recording(recorder.recording(), taken=recorder.episode.taken)
-    given = load_recording(json.loads(json.dumps(content)), {SPACE_INVADERS: console})
+    given = load_recording(json.loads(json.dumps(content)), Consoles(console))
     assert given.recording == recorder.recording()
     assert given.taken == recorder.episode.taken
     assert given.notices == ()
@@ -244,7 +245,7 @@ def test_only_the_required_members_are_required(console: Console, played: Record
     del content["ram_hashes"]
     content["start"] = {"idle_frames": 20}
     content["hits"] = None
-    given = load_recording(content, {SPACE_INVADERS: console})
+    given = load_recording(content, Consoles(console))
     assert given.recording == played.recording()
     assert (given.tier, given.perfect, given.source, given.notes) == (None, False, None, "")
     for member in [key for key in content if key != "hits"]:
@@ -255,7 +256,7 @@ def test_only_the_required_members_are_required(console: Console, played: Record
 def test_an_evaluation_start_is_accepted(console: Console) -> None:
     recording = Recording(SPACE_INVADERS, evaluation_start(0), bytes(30))
     assert load_recording(
-        dump_recording(recording), {SPACE_INVADERS: console}
+        dump_recording(recording), Consoles(console)
     ).recording.start == evaluation_start(0)
 
 
@@ -264,7 +265,7 @@ def test_actions_after_the_hit_are_cut_with_a_notice(
 ) -> None:
     content["actions"] = base64.b64encode(played.episode.actions + bytes(130)).decode()
     del content["ram_hashes"]
-    given = load_recording(content, {SPACE_INVADERS: console})
+    given = load_recording(content, Consoles(console))
     assert given.recording == played.recording()
     (notice,) = given.notices
     assert notice == (
@@ -278,7 +279,7 @@ def test_actions_after_300_steps_are_cut_with_a_notice(console: Console) -> None
     actions = base64.b64decode(content["actions"])
     assert len(actions) == 1200
     content["actions"] = base64.b64encode(actions + bytes(10)).decode()
-    given = load_recording(content, {SPACE_INVADERS: console})
+    given = load_recording(content, Consoles(console))
     assert given.recording.n_frames == 1200
     assert given.notices == (
         "Cut at frame 1200, where 300 steps were over; 10 more actions were ignored.",
@@ -290,10 +291,10 @@ def test_a_game_that_goes_on_is_accepted_and_its_end_commented(
 ) -> None:
     begun = replace(played.recording(), actions=bytes(40), hashes=())
     content = dump_recording(begun, end=EndReason.HIT)
-    given = load_recording(content, {SPACE_INVADERS: console})
+    given = load_recording(content, Consoles(console))
     assert given.replay.end is None
     assert given.notices == ("The given end is 'hit', but the replay does not end.",)
-    assert load_recording({**content, "end": None}, {SPACE_INVADERS: console}).notices == ()
+    assert load_recording({**content, "end": None}, Consoles(console)).notices == ()
 
 
 @pytest.mark.parametrize("end", ["died", "a bomb from above hit the player's cannon", 7, ["hit"]])
@@ -301,7 +302,7 @@ def test_an_end_in_other_words_is_compared_and_the_known_ones_named(
     console: Console, played: Recorder, end: object
 ) -> None:
     content = {**dump_recording(played.recording()), "end": end}
-    (notice,) = load_recording(content, {SPACE_INVADERS: console}).notices
+    (notice,) = load_recording(content, Consoles(console)).notices
     assert notice.startswith("The given end is ")
     assert notice.endswith("Known ends: hit, lives, landed, cleared, steps.")
 
@@ -310,7 +311,7 @@ def test_unknown_members_are_left_out_with_a_notice(
     console: Console, content: dict[str, Any]
 ) -> None:
     content |= {"tiers": 4, "start": {**content["start"], "seed": 1}}
-    (notice,) = load_recording(content, {SPACE_INVADERS: console}).notices
+    (notice,) = load_recording(content, Consoles(console)).notices
     assert notice == "Unknown members were ignored: tiers, start.seed."
 
 
@@ -397,7 +398,7 @@ def test_what_a_recording_carries_along_is_at_most_16_levels_deep(
     carried: dict[str, Any] = {}
     for _ in range(15):
         carried = {"a": carried}
-    load_recording({**content, member: carried}, {SPACE_INVADERS: console})
+    load_recording({**content, member: carried}, Consoles(console))
     refusal = _refusal({**content, member: {"a": carried}}, console)
     assert f"{member}: expected at most 16 levels of nesting" in refusal
 
@@ -517,7 +518,7 @@ def test_hostile_json_is_refused(text: str) -> None:
 
 @pytest.fixture(scope="module")
 def one(console: Console, full: dict[str, Any]) -> ImportedRecording:
-    return load_recording(full, {SPACE_INVADERS: console})
+    return load_recording(full, Consoles(console))
 
 
 def _tiered(one: ImportedRecording, *tiers: int | None) -> Iterator[ImportedRecording]:

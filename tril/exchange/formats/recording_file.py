@@ -16,7 +16,8 @@ from tril.exchange.formats.recording_object import (
     truncated,
 )
 from tril.games import game_named
-from tril.games.base import Console, Game, Taken
+from tril.games.base import Game, Taken
+from tril.play.consoles import Consoles
 from tril.ranking import Ranking
 from tril.recording import Recording, Replay, verify
 
@@ -88,10 +89,6 @@ def dump_recording(
     } | {key: value for key, value in optional.items() if value is not None}
 
 
-Consoles = dict[Game, Console]
-"""Consoles to replay on, by game; those that are missing are made."""
-
-
 def load_recording(content: object, consoles: Consoles | None = None) -> ImportedRecording:
     """Load a recording from the exchange format and verify it by a replay.
 
@@ -114,10 +111,7 @@ def load_recording(content: object, consoles: Consoles | None = None) -> Importe
         end_rule=given.ending or "",
     )
     cells = None if given.hits is None else [(row, column) for row, column in given.hits]
-    consoles = {} if consoles is None else consoles
-    if game not in consoles:
-        consoles[game] = game.make_console()
-    verified = verify(recording, cells, consoles[game])
+    verified = verify(recording, cells, (consoles or Consoles()).of(game))
     return ImportedRecording(
         recording=verified.recording,
         replay=verified.replay,

@@ -25,17 +25,39 @@ _NTSC_COLOURS = """
 482c00 694d14 866a26 a28638 bb9f47 d2b656 e8cc63 fce070
 """
 
+_PAL_COLOURS = """
+000000 2b2b2b 525252 767676 979797 b6b6b6 d2d2d2 ececec
+000000 2b2b2b 525252 767676 979797 b6b6b6 d2d2d2 ececec
+805800 96711a ab8732 be9c48 cfaf5c dfc06f eed180 fce090
+445c00 5e791a 769332 8cac48 a0c25c b3d76f c4ea80 d4fc90
+703400 89511a a06b32 b68448 c99a5c dcaf6f ecc280 fcd490
+006414 1a8035 329852 48b06e 5cc587 6fd99e 80ebb4 90fcc8
+700014 891a35 a03252 b6486e c95c87 dc6f9e ec80b4 fc90c8
+005c5c 1a7676 328e8e 48a4a4 5cb8b8 6fcbcb 80dcdc 90ecec
+70005c 841a74 963289 a8489e b75cb0 c66fc1 d380d1 e090e0
+003c70 195a89 2f75a0 448eb6 57a5c9 68badc 79ceec 88e0fc
+580070 6e1a89 8332a0 9648b6 a75cc9 b76fdc c680ec d490fc
+002070 193f89 2f5aa0 4474b6 578bc9 68a1dc 79b5ec 88c8fc
+340080 4a1a96 5f32ab 7248be 835ccf 936fdf a280ee b090fc
+000088 1a1a9d 3232b0 4848c2 5c5cd2 6f6fe1 8080ef 9090fc
+000000 2b2b2b 525252 767676 979797 b6b6b6 d2d2d2 ececec
+000000 2b2b2b 525252 767676 979797 b6b6b6 d2d2d2 ececec
+"""
+
 _LUMA = (0.2989, 0.5870, 0.1140)
 """Weights of red, green and blue in the emulator's grayscale."""
 
 
 @cache
-def palette_rgb() -> npt.NDArray[np.uint8]:
+def palette_rgb(pal: bool = False) -> npt.NDArray[np.uint8]:
     """Return the colours, uint8 (256, 3) RGB, indexed by palette value; read-only.
 
-    Colours are at the even values, the only ones on a screen; the odd value after each is its gray.
+    Those of PAL if pal, else of NTSC. Colours are at the even values, which are all on a screen; the
+    odd value after each is its gray.
     """
-    colours = np.frombuffer(bytes.fromhex(_NTSC_COLOURS), np.uint8).reshape(-1, 3)
+    colours = np.frombuffer(
+        bytes.fromhex(_PAL_COLOURS if pal else _NTSC_COLOURS), np.uint8
+    ).reshape(-1, 3)
     palette = np.empty((256, 3), np.uint8)
     palette[0::2] = colours
     palette[1::2] = np.rint(colours @ np.array(_LUMA))[:, None]
@@ -44,8 +66,8 @@ def palette_rgb() -> npt.NDArray[np.uint8]:
 
 
 @cache
-def palette_grayscale() -> npt.NDArray[np.uint8]:
+def palette_grayscale(pal: bool = False) -> npt.NDArray[np.uint8]:
     """Return the emulator's grayscale, uint8 (256,) from 0 to 255, by palette value; read-only."""
-    grays: npt.NDArray[np.uint8] = np.rint(palette_rgb() @ np.array(_LUMA)).astype(np.uint8)
+    grays: npt.NDArray[np.uint8] = np.rint(palette_rgb(pal) @ np.array(_LUMA)).astype(np.uint8)
     grays.setflags(write=False)
     return grays

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -103,6 +103,30 @@ class AtariStarts:
         """The starts for play, demonstrations and training."""
         return tuple(self._start(idle) for idle in TRAINING_IDLE_FRAMES)
 
+    @property
+    def options(self) -> Mapping[str, Sequence[int]]:
+        """Modes and difficulties, where there are several."""
+        several = {"mode": self.modes, "difficulty": self.difficulties}
+        return {name: values for name, values in several.items() if len(values) > 1}
+
+    def with_options(self, options: Mapping[str, int]) -> AtariStarts:
+        """Return the starts of another mode or difficulty.
+
+        Raises:
+            UnknownStart: There is no such option or value.
+        """
+        for name, value in options.items():
+            values = self.options.get(name)
+            if values is None:
+                raise UnknownStart(f"{self.title} has no {name!r} to choose.")
+            if value not in values:
+                raise UnknownStart(f"Expected {name} {_alternatives(values)}, got {value}.")
+        return replace(
+            self,
+            modes=_first(self.modes, options.get("mode")),
+            difficulties=_first(self.difficulties, options.get("difficulty")),
+        )
+
     def _start(self, idle_frames: int) -> AtariStart:
         return AtariStart(idle_frames, self.modes[0], self.difficulties[0])
 
@@ -175,6 +199,10 @@ class AtariStarts:
         """
         seed = self.legs.redrawn.get(number, self.legs.evaluation_seed)
         return self.draw_opening(self.evaluation(number), np.random.default_rng((seed, number)))
+
+
+def _first(values: tuple[int, ...], chosen: int | None) -> tuple[int, ...]:
+    return tuple(sorted(values, key=lambda value: (value != chosen, values.index(value))))
 
 
 def _alternatives(values: Sequence[int]) -> str:

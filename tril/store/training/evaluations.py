@@ -134,7 +134,7 @@ def proposed_games(
 
 def figures_of(row: EvaluationRow, n_targets: int | None = None) -> GameFigures:
     """Return the figures of an evaluation game, loaded with its recording."""
-    game = game_named(row.recording.game)
+    game = game_named(row.recording.game)  # its clock counts steps, however long it may be
     return GameFigures(
         targets=row.targets,
         strays=row.strays,

@@ -1,0 +1,109 @@
+"""The games that come with the emulator, and what the survey found of each."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from ale_py import roms
+
+CATALOGUE = Path(__file__).with_name("catalogue.json")
+"""Written by tril.games.atari.survey."""
+
+_TITLES = {
+    "atlantis2": "Atlantis II",
+    "darkchambers": "Dark Chambers",
+    "earthworld": "SwordQuest: EarthWorld",
+    "et": "E.T.",
+    "hero": "H.E.R.O.",
+    "jamesbond": "James Bond",
+    "koolaid": "Kool-Aid Man",
+    "kung_fu_master": "Kung-Fu Master",
+    "mario_bros": "Mario Bros.",
+    "montezuma_revenge": "Montezuma's Revenge",
+    "mr_do": "Mr. Do!",
+    "ms_pacman": "Ms. Pac-Man",
+    "pacman": "Pac-Man",
+    "pitfall": "Pitfall!",
+    "pitfall2": "Pitfall II",
+    "qbert": "Q*bert",
+    "riverraid": "River Raid",
+    "star_gunner": "Stargunner",
+    "tic_tac_toe_3d": "3-D Tic-Tac-Toe",
+    "trondead": "Tron: Deadly Discs",
+    "up_n_down": "Up 'n Down",
+    "yars_revenge": "Yars' Revenge",
+}
+
+
+@dataclass(frozen=True)
+class Entry:
+    """What is known of a game.
+
+    Attributes:
+        rom: Name of its ROM, e.g. "ms_pacman".
+        md5: MD5 of the ROM that was surveyed.
+        screen: Height and width in pixels.
+        pal: Whether its colours are those of PAL, else those of NTSC.
+        actions: Names of its actions.
+        modes: Modes of the cartridge.
+        difficulties: Positions of the difficulty switch.
+        lives: Lives at its start; 0 where the emulator counts none.
+        intro: Frames before play begins, the action held at first, and for how many of them; None
+            if no action made a difference on the screen.
+        hidden: Areas that show score or lives: left, top, right, bottom.
+    """
+
+    rom: str
+    md5: str
+    screen: tuple[int, int]
+    pal: bool
+    actions: tuple[str, ...]
+    modes: tuple[int, ...]
+    difficulties: tuple[int, ...]
+    lives: int
+    intro: Mapping[str, int] | None
+    hidden: tuple[tuple[int, int, int, int], ...]
+
+    @property
+    def title(self) -> str:
+        """The game's name for people."""
+        return _TITLES.get(self.rom) or self.rom.replace("_", " ").title()
+
+
+def rom_path(rom: str) -> Path:
+    """Return where a ROM is: in the emulator's package, not where ALE_ROMS_DIR says."""
+    return Path(roms.__file__).with_name(f"{rom}.bin")
+
+
+@cache
+def rom_md5(rom: str) -> str:
+    """Return the MD5 of a ROM."""
+    return hashlib.md5(rom_path(rom).read_bytes(), usedforsecurity=False).hexdigest()
+
+
+@cache
+def entries() -> Mapping[str, Entry]:
+    """Return what is known of each game, by the name of its ROM, in order of their titles."""
+    surveyed: dict[str, Any] = json.loads(CATALOGUE.read_text())
+    found = [
+        Entry(
+            rom=rom,
+            md5=one["md5"],
+            screen=tuple(one["screen"]),
+            pal=one["pal"],
+            actions=tuple(one["actions"]),
+            modes=tuple(one["modes"]),
+            difficulties=tuple(one["difficulties"]),
+            lives=one["lives"],
+            intro=one["intro"],
+            hidden=tuple(tuple(area) for area in (*one["score"], *one["life"])),
+        )
+        for rom, one in surveyed.items()
+    ]
+    return {one.rom: one for one in sorted(found, key=lambda one: one.title.casefold())}

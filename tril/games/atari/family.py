@@ -1,0 +1,76 @@
+"""Every game that comes with the emulator, without a module of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from tril.errors import Invalid
+from tril.games.atari.catalogue import Entry, entries, rom_md5, rom_path
+from tril.games.atari.console import AtariConsole, Intro
+from tril.games.atari.joystick import joystick
+from tril.games.atari.palette import palette_grayscale, palette_rgb
+from tril.games.atari.readout import ENDS, LIFE, OVER, AtariReadout
+from tril.games.atari.starts import AtariStarts, Legs
+from tril.games.base import Clock, Game, GameFamily, Rectangle, ScreenSpec, StartCache
+
+
+class AtariFamily:
+    """The games of the emulator's package, each by the name of its ROM."""
+
+    def names(self) -> Sequence[str]:
+        """Return the names, in order of their titles."""
+        return tuple(entries())
+
+    def game(self, name: str) -> Game | None:
+        """Return a game, None if there is no such ROM.
+
+        Raises:
+            Invalid: The emulator's package has another ROM than the one that was surveyed.
+        """
+        entry = entries().get(name)
+        if entry is None:
+            return None
+        if not rom_path(name).exists() or rom_md5(name) != entry.md5:
+            raise Invalid(
+                f"The installed ale-py has another {entry.title} than this version of Tril knows:"
+                " install the version that Tril asks for."
+            )
+        return _game(entry)
+
+
+def _game(entry: Entry) -> Game:
+    intro = entry.intro or {"frames": 0, "button": 0, "hold": 0}
+
+    def console(game: Game, start_cache: StartCache) -> AtariConsole:
+        return AtariConsole(game, rom_path(entry.rom), Intro(**intro), start_cache)
+
+    controls = joystick(entry.actions)
+    return Game(
+        name=entry.rom,
+        title=entry.title,
+        version=entry.md5,
+        clock=Clock(),
+        controls=controls,
+        starts=AtariStarts(
+            title=entry.title,
+            legs=Legs(actions=tuple(range(controls.n_actions)), max_steps=LEG_STEPS),
+            modes=entry.modes,
+            difficulties=entry.difficulties,
+        ),
+        screen=ScreenSpec(
+            *entry.screen,
+            palette=palette_rgb(entry.pal),
+            grayscale=palette_grayscale(entry.pal),
+            hidden=tuple(Rectangle(*area) for area in entry.hidden),
+        ),
+        ends=ENDS,
+        end_rules=(LIFE, OVER) if entry.lives else (OVER,),
+        new_console=console,
+        new_readout=AtariReadout,
+    )
+
+
+LEG_STEPS = 6
+"""Longest leg of an opening: three of them take 1.2 s at most."""
+
+ATARI: GameFamily = AtariFamily()
