@@ -13,6 +13,7 @@ from starlette.middleware import Middleware
 from server.api import (
     artifacts,
     behaviours,
+    catalogue,
     events,
     games,
     health,
@@ -97,7 +98,7 @@ def _api() -> APIRouter:
     requests = limited_by(lambda s, writes: s.write_limit if writes else s.read_limit)
     uploads = limited_by(lambda s, _: s.upload_limit)
     replaying = limited_by(lambda s, _: s.replay_limit)
-    resources = (system, people, behaviours, recordings, rankings, games, runs)
+    resources = (system, people, catalogue, behaviours, recordings, rankings, games, runs)
     routers = [(resource.router, [requests]) for resource in resources]
     # An object store that hangs keeps a thread for half a minute.
     routers.insert(1, (system.joining_router, [replaying]))

@@ -50,6 +50,8 @@ _OPERATIONS: dict[Need, tuple[str, ...]] = {
     Need.NOTHING: ("get_health",),
     Need.SIGNED_IN: (
         "get_player",
+        "get_title",
+        "get_title_picture",
         "update_player",
         "sign_out",
         "list_behaviours",
@@ -80,6 +82,7 @@ _OPERATIONS: dict[Need, tuple[str, ...]] = {
     Need.OWN_GAME: ("get_game", "play"),
     Need.RESEARCHER: (
         "get_system",
+        "list_catalogue",
         "create_behaviour",
         "update_behaviour",
         "delete_behaviour",

@@ -15,6 +15,11 @@ _PLAYERS: Mapping[str, str] = {"space_invaders": "tril.demonstrators.space_invad
 """Modules whose `play_varied` plays a game in a better way than at random, by game."""
 
 
+def has_player(game: str) -> bool:
+    """Return whether a game, by its name, has a scripted player."""
+    return game in _PLAYERS
+
+
 def play_varied(rng: np.random.Generator, console: Console) -> Verified:
     """Play one varied game to its end and verify the recording.
 

@@ -59,12 +59,13 @@ def game_of(behaviour: Behaviour) -> Game:
     return game_named(behaviour.game).with_settings(behaviour.settings)
 
 
-def game_names() -> list[str]:
-    """Return the names of all games, those with a module first."""
-    names = dict.fromkeys(_GAMES)
+def game_titles() -> dict[str, str]:
+    """Return the titles of all games by name, in order of titles; makes none of them."""
+    titles = {name: game_named(name).title for name in _GAMES}
     for source in _sources():
-        names.update(dict.fromkeys([source.name] if isinstance(source, Game) else source.names()))
-    return list(names)
+        others = {source.name: source.title} if isinstance(source, Game) else source.titles()
+        titles = {**others, **titles}
+    return dict(sorted(titles.items(), key=lambda item: item[1].casefold()))
 
 
 def ready_made() -> list[Behaviour]:

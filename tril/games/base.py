@@ -659,8 +659,8 @@ def _unpickled(name: str, settings: GameSettings) -> Game:
 class GameFamily(Protocol):
     """Games that are made from their names, without a module each."""
 
-    def names(self) -> Sequence[str]:
-        """Return the names of those that are installed, in order of their titles."""
+    def titles(self) -> Mapping[str, str]:
+        """Return the titles of those that are installed by their names, without making them."""
 
     def game(self, name: str) -> Game | None:
         """Return the game of a name, None if it is not one of this family.

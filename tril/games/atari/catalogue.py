@@ -89,10 +89,10 @@ def rom_md5(rom: str) -> str:
 
 @cache
 def entries() -> Mapping[str, Entry]:
-    """Return what is known of each game, by the name of its ROM, in order of their titles."""
+    """Return what is known of each game, by the name of its ROM."""
     surveyed: dict[str, Any] = json.loads(CATALOGUE.read_text())
-    found = [
-        Entry(
+    return {
+        rom: Entry(
             rom=rom,
             md5=one["md5"],
             screen=tuple(one["screen"]),
@@ -105,5 +105,4 @@ def entries() -> Mapping[str, Entry]:
             hidden=tuple(tuple(area) for area in (*one["score"], *one["life"])),
         )
         for rom, one in surveyed.items()
-    ]
-    return {one.rom: one for one in sorted(found, key=lambda one: one.title.casefold())}
+    }

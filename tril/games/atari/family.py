@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 
 from tril.errors import Invalid
 from tril.games.atari.catalogue import Entry, entries, rom_md5, rom_path
@@ -17,9 +17,9 @@ from tril.games.base import Clock, Game, GameFamily, Rectangle, ScreenSpec, Star
 class AtariFamily:
     """The games of the emulator's package, each by the name of its ROM."""
 
-    def names(self) -> Sequence[str]:
-        """Return the names, in order of their titles."""
-        return tuple(entries())
+    def titles(self) -> Mapping[str, str]:
+        """Return the titles of all of them by their names."""
+        return {name: entry.title for name, entry in entries().items()}
 
     def game(self, name: str) -> Game | None:
         """Return a game, None if there is no such ROM.

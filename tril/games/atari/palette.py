@@ -52,7 +52,7 @@ _LUMA = (0.2989, 0.5870, 0.1140)
 def palette_rgb(pal: bool = False) -> npt.NDArray[np.uint8]:
     """Return the colours, uint8 (256, 3) RGB, indexed by palette value; read-only.
 
-    Those of PAL if pal, else of NTSC. Colours are at the even values, which are all on a screen; the
+    Those of PAL if pal, else of NTSC. Colours are at the even values, which all are on screens; the
     odd value after each is its gray.
     """
     colours = np.frombuffer(

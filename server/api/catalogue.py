@@ -1,0 +1,101 @@
+"""The games that can be taught, whether anybody has played them or not."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from urllib.parse import quote
+
+from fastapi import APIRouter, Request
+from sqlalchemy import func, select
+from starlette.responses import Response
+
+from server.api.schemas.catalogue import Items, NamedEnd, NamedRule, TaughtGame, Title
+from server.dependencies import ReadSession, services_of
+from server.play.replays import ReplayTask
+from server.web.problems import NOT_FOUND
+from tril import __version__
+from tril.demonstrators.varied import has_player
+from tril.games import game_named, game_titles
+from tril.games.settings import MAX_STEPS
+from tril.play.sample import sample
+from tril.store.models import BehaviourRow, RecordingRow, Source
+
+router = APIRouter(prefix="/catalogue", tags=["catalogue"])
+
+_IMMUTABLE = "private, max-age=31536000, immutable"
+
+
+@router.get("")
+def list_catalogue(session: ReadSession) -> list[Title]:
+    """Return the games that can be taught: those played last first, then in order of titles."""
+    behaviours = select(BehaviourRow.game, func.count()).where(BehaviourRow.deleted_at.is_(None))
+    n_behaviours = dict(session.execute(behaviours.group_by(BehaviourRow.game)).tuples().all())
+    played = select(RecordingRow.game, func.max(RecordingRow.created_at)).where(
+        RecordingRow.source == Source.PERSON
+    )
+    last_played = dict(session.execute(played.group_by(RecordingRow.game)).tuples().all())
+    titles = [
+        Title(
+            name=name,
+            title=title,
+            picture_url=_picture_url(name),
+            n_behaviours=n_behaviours.get(name, 0),
+            last_played_at=last_played.get(name),
+        )
+        for name, title in game_titles().items()
+    ]
+    # Sorting keeps the order of titles among those that nobody has played.
+    return sorted(titles, key=lambda one: -_seconds(one.last_played_at))
+
+
+@router.get("/games/{name:path}", responses=NOT_FOUND)
+def get_title(name: str) -> TaughtGame:
+    """Return a game: its screen, time, buttons, ends and what else the page needs."""
+    game = game_named(name)
+    items = game.items
+    return TaughtGame(
+        name=game.name,
+        title=game.title,
+        picture_url=_picture_url(game.name),
+        width=game.screen.width,
+        height=game.screen.height,
+        pixel_aspect=game.screen.pixel_aspect,
+        frame_rate_hz=game.clock.frame_rate_hz,
+        frames_per_step=game.clock.frames_per_step,
+        max_steps=game.clock.max_steps,
+        longest_steps=MAX_STEPS,
+        actions=list(game.controls.actions),
+        buttons=list(game.controls.buttons),
+        held=list(game.controls.held),
+        default_keys=dict(game.controls.default_keys),
+        waits=game.controls.waits,
+        end_rules=[NamedRule.of(rule) for rule in game.end_rules],
+        ends=[NamedEnd.of(end) for end in game.ends],
+        options={option: list(values) for option, values in game.starts.options.items()},
+        hidden=[(area.left, area.top, area.right, area.bottom) for area in game.screen.hidden],
+        items=None if items is None else Items.of(items, row_colours=list(items.row_colours)),
+        counters=dict(game.counters),
+        saves_states=game.saves_states,
+        has_memory=game.has_memory,
+        has_player=has_player(game.name),
+        attribution=game.attribution,
+    )
+
+
+@router.get(
+    "/pictures/{name:path}",
+    response_class=Response,
+    responses=NOT_FOUND | {200: {"content": {"image/png": {}}}},
+)
+def get_title_picture(request: Request, name: str) -> Response:
+    """Return a picture of a game, some seconds after its start."""
+    content = services_of(request).replay_cache.get(sample(game_named(name)), ReplayTask.THUMBNAIL)
+    return Response(content, media_type="image/png", headers={"Cache-Control": _IMMUTABLE})
+
+
+def _picture_url(name: str) -> str:
+    return f"/api/catalogue/pictures/{quote(name)}?v={__version__}"
+
+
+def _seconds(moment: datetime | None) -> float:
+    return 0.0 if moment is None else moment.timestamp()

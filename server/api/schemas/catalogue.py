@@ -1,0 +1,82 @@
+"""The games that can be taught."""
+
+from __future__ import annotations
+
+from datetime import datetime
+
+from server.api.schemas.base import Schema
+
+
+class Title(Schema):
+    """A game in brief. ``last_played_at`` is null for those that nobody here has played.
+
+    ``picture_url`` carries a version, so that it may be cached for ever.
+    """
+
+    name: str
+    title: str
+    picture_url: str
+    n_behaviours: int
+    last_played_at: datetime | None
+
+
+class NamedRule(Schema):
+    """When a loss ends a game."""
+
+    name: str
+    title: str
+
+
+class NamedEnd(Schema):
+    """A way in which a game ends. ``kind`` is death, failed, won or time."""
+
+    name: str
+    kind: str
+    sentence: str
+
+
+class Items(Schema):
+    """The countable things of a game: cells of a grid, with row 0 at the bottom."""
+
+    rows: int
+    columns: int
+    singular: str
+    plural: str
+    verb: str
+    row_colours: list[str]
+
+
+class TaughtGame(Schema):
+    """All that the page needs of a game.
+
+    ``held`` are the buttons of each action, as bits in the order of ``buttons``. ``default_keys``
+    are buttons by ``KeyboardEvent.code``. ``hidden`` are areas that learning does not see: left,
+    top, right, bottom. ``options`` are values of the start by name, the first the default. What a
+    game lacks is null or false.
+    """
+
+    name: str
+    title: str
+    picture_url: str
+    width: int
+    height: int
+    pixel_aspect: float
+    frame_rate_hz: int
+    frames_per_step: int
+    max_steps: int
+    longest_steps: int
+    actions: list[str]
+    buttons: list[str]
+    held: list[int]
+    default_keys: dict[str, str]
+    waits: bool
+    end_rules: list[NamedRule]
+    ends: list[NamedEnd]
+    options: dict[str, list[int]]
+    hidden: list[tuple[int, int, int, int]]
+    items: Items | None
+    counters: dict[str, str]
+    saves_states: bool
+    has_memory: bool
+    has_player: bool
+    attribution: str
