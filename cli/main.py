@@ -9,7 +9,7 @@ import sys
 import typer
 from typer import rich_utils
 
-from cli.commands import behaviours, people, recordings, runs, services
+from cli.commands import behaviours, games, people, recordings, runs, services
 from cli.commands.backup import backup
 from cli.commands.demo import demo
 from cli.commands.evaluate import evaluate
@@ -51,6 +51,7 @@ app.command()(services.address)
 app.command()(people.audit)
 
 app.add_typer(behaviours.app, name="behaviours")
+app.add_typer(games.app, name="games")
 app.add_typer(recordings.app, name="recordings")
 app.add_typer(runs.app, name="runs")
 app.add_typer(people.app, name="people")

@@ -15,7 +15,7 @@ from tril.analysis.summary import GameFigures, summarise
 from tril.errors import Invalid
 from tril.files.artifact_store import ArtifactStore
 from tril.games import game_of
-from tril.games.atari.starts import EVALUATION_START_COUNT
+from tril.games.base import MAX_EVALUATION_STARTS
 from tril.games.behaviours import Behaviour, score
 from tril.recipes import recipe_from_dict
 from tril.store import behaviours
@@ -152,7 +152,7 @@ def _numbers(text: str) -> list[int]:
     try:
         for part in text.split(","):
             first, dash, last = part.partition("-")
-            if int(last or first) >= EVALUATION_START_COUNT:
+            if int(last or first) >= MAX_EVALUATION_STARTS:
                 raise ValueError
             numbers += range(int(first), int(last) + 1) if dash else [int(first)]
     except ValueError:

@@ -10,6 +10,7 @@ from typing import Any
 
 from sqlalchemy.orm import Session
 
+from tril.errors import Invalid, NotFound
 from tril.exchange.formats.behaviour_file import (
     BEHAVIOUR_FORMAT,
     BEHAVIOUR_VERSION,
@@ -21,7 +22,10 @@ from tril.exchange.formats.behaviour_file import (
 )
 from tril.exchange.formats.recording_file import ImportedRecording, load_recording
 from tril.exchange.recording_transfer import dump_row
+from tril.games import game_of
 from tril.games.base import Cell
+from tril.games.behaviours import Behaviour
+from tril.games.settings import GameSettings
 from tril.play.consoles import Consoles
 from tril.recording import RecordingRefused
 from tril.store import audit, behaviours, borrowed, players, rankings, recordings
@@ -88,6 +92,7 @@ def export_behaviour(session: Session, behaviour: BehaviourRow) -> tuple[dict[st
         "description": about.description,
         "target": None if about.target is None else [list(cell) for cell in about.target],
         "ordered": about.ordered,
+        "settings": about.settings.to_json(),
         "recordings": [
             _numbered(row, known, names)
             if row.behaviour_id == behaviour.id and row.run_id is None
@@ -118,15 +123,18 @@ def import_behaviour(
         Conflict: There are too many behaviours.
     """
     given = parse_behaviour(content)
+    settings = _check_game(given)
     replayed = _replayed(given)
     with database.writing() as session:
-        found = None if name is not None else _empty_built_in(session, given)
+        found = None if name is not None else _empty_built_in(session, given, settings)
         row = found or behaviours.create(
             session,
             name or behaviours.free_name(session, given.name),
             given.description,
             _target(given),
             given.ordered,
+            game=given.game,
+            settings=settings,
         )
         ids = _add_recordings(session, row.id, given, replayed)
         revisions = [_ranking_row(session, row.id, saved, ids) for saved in given.rankings]
@@ -192,6 +200,25 @@ def _target(given: BehaviourObject) -> tuple[Cell, ...] | None:
     return None if given.target is None else tuple((r, c) for r, c in given.target)
 
 
+def _check_game(given: BehaviourObject) -> GameSettings:
+    """Check that the behaviour's game is here and has what it sets and targets."""
+    for numbered in given.recordings:
+        if numbered.recording.game != given.game:
+            raise BehaviourRefused(
+                f"Recording {numbered.number} is of {numbered.recording.game}, the behaviour of"
+                f" {given.game}."
+            )
+    try:
+        settings = GameSettings.from_json(given.settings)
+        behaviour = Behaviour(
+            given.slug, given.name, "", given.game, _target(given), given.ordered, settings
+        )
+        game_of(behaviour).check_target(behaviour)
+    except (Invalid, NotFound) as refusal:
+        raise BehaviourRefused(str(refusal)) from refusal
+    return settings
+
+
 def _replayed(given: BehaviourObject) -> dict[int, ImportedRecording]:
     consoles = Consoles()
     replayed: dict[int, ImportedRecording] = {}
@@ -206,12 +233,18 @@ def _replayed(given: BehaviourObject) -> dict[int, ImportedRecording]:
     return replayed
 
 
-def _empty_built_in(session: Session, given: BehaviourObject) -> BehaviourRow | None:
+def _empty_built_in(
+    session: Session, given: BehaviourObject, settings: GameSettings
+) -> BehaviourRow | None:
     for row in behaviours.listing(session):
         if not row.built_in or row.slug != given.slug:
             continue
         present = behaviours.as_behaviour(row)
-        is_same = (present.target, present.ordered) == (_target(given), given.ordered)
+        is_same = (present.target, present.ordered, present.settings) == (
+            _target(given),
+            given.ordered,
+            settings,
+        )
         is_empty = not recordings.has_any(session, row.id) and not rankings.history(session, row.id)
         return row if is_same and is_empty else None
     return None

@@ -214,8 +214,8 @@ def _recordings(
             recording = parse_recording(parse_json(decode_json(line)))
         except (RecordingRefused, ValueError) as error:
             raise RunRefused(f"Recording {game.number} in {name}: {error}") from None
-        if len(recording.hits or ()) != len(game.hit_frames):
-            raise RunRefused(f"Recording {game.number} in {name} has other hits than are listed.")
+        if len(recording.taken or ()) != len(game.taken_frames):
+            raise RunRefused(f"Recording {game.number} in {name} has other items than are listed.")
         found.append(recording)
     return found
 

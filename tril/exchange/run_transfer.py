@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import secrets
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -20,7 +19,7 @@ from tril.analysis.outcome import (
     RunSnapshot,
 )
 from tril.demonstrators import kind_named
-from tril.exchange.formats.recording_file import load_recording
+from tril.exchange.formats.recording_file import as_recording, load_recording
 from tril.exchange.formats.recording_object import RecordingObject
 from tril.exchange.formats.run_file import (
     RUN_FORMAT,
@@ -34,9 +33,9 @@ from tril.exchange.formats.run_file import (
 )
 from tril.exchange.run_archive import NETWORKS, PICTURES, RunArchive, picture_name
 from tril.files.artifact_store import ArtifactStore
-from tril.games import game_named
 from tril.games.base import Taken
 from tril.games.behaviours import Behaviour, score
+from tril.games.settings import GameSettings
 from tril.play.consoles import Consoles
 from tril.recipes import checked, recipe_from_dict
 from tril.recording import Recording, RecordingRefused, Replay
@@ -116,7 +115,7 @@ def export_run(session: Session, run_id: str) -> ExportedRun:
     run = RunObject(
         format=RUN_FORMAT,
         version=RUN_VERSION,
-        game="space_invaders",
+        game=taught.game,
         tril=__version__,
         id=row.id,
         name=row.name,
@@ -170,6 +169,7 @@ def _taught(behaviour: Behaviour) -> TaughtBehaviour:
         description=behaviour.description,
         target=None if behaviour.target is None else [list(cell) for cell in behaviour.target],
         ordered=behaviour.ordered,
+        settings=behaviour.settings.to_json(),
     )
 
 
@@ -188,8 +188,9 @@ def _points(session: Session, run_id: str) -> list[CurvePoint]:
 def _played(row: RecordingRow) -> dict[str, Any]:
     return {
         "number": row.id,
-        "shots": row.counters.get("shots", 0),
-        "hit_frames": [frame for *_, frame in row.taken],
+        "counters": row.counters,
+        "score": row.score or 0.0,
+        "taken_frames": [frame for *_, frame in row.taken],
         "played_at": row.created_at,
     }
 
@@ -319,18 +320,15 @@ def recorded(archive: RunArchive) -> dict[int, tuple[Recording, Replay]]:
     """Return the recordings with what the file says happened in them."""
     found = {}
     for game, given in (*archive.demonstrations, *archive.games):
-        actions = base64.b64decode(given.actions)
-        hashes = tuple(given.ram_hashes or ())
-        of = game_named(given.game)
-        start = of.starts.parse(given.start.values())
+        recording = as_recording(given)
         taken = tuple(
             Taken(row, column, frame)
-            for (row, column), frame in zip(given.hits or (), game.hit_frames, strict=True)
+            for (row, column), frame in zip(given.taken or (), game.taken_frames, strict=True)
         )
-        end = None if given.end is None else of.end(given.end).name
+        end = None if given.end is None else recording.game.end(given.end).name
         found[game.number] = (
-            Recording(of, start, actions, hashes, given.rom_md5, given.ending or ""),
-            Replay(taken, end, len(actions), {"shots": game.shots}, 0.0, hashes),
+            recording,
+            Replay(taken, end, recording.n_frames, game.counters, game.score, recording.hashes),
         )
     return found
 
@@ -370,18 +368,28 @@ def _put_files(
 def _behaviour(session: Session, run: RunObject, name: str | None) -> BehaviourRow:
     given = run.behaviour
     target = None if given.target is None else tuple((r, c) for r, c in given.target)
+    settings = GameSettings.from_json(given.settings)
     if name is None:
         for row in behaviours.listing(session):
             present = behaviours.as_behaviour(row)
-            is_same = (present.slug, present.target, present.ordered) == (
+            is_same = (present.slug, present.target, present.ordered, present.settings) == (
                 given.slug,
                 target,
                 given.ordered,
+                settings,
             )
             if row.built_in and is_same and _is_empty(session, row.id):
                 return row
     free = behaviours.free_name(session, name or given.name)
-    return behaviours.create(session, free, given.description, target, given.ordered)
+    return behaviours.create(
+        session,
+        free,
+        given.description,
+        target,
+        given.ordered,
+        game=run.game,
+        settings=settings,
+    )
 
 
 def _is_empty(session: Session, behaviour_id: int) -> bool:

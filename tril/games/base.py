@@ -32,6 +32,9 @@ Screen = npt.NDArray[np.uint8]
 
 JsonObject = dict[str, Any]
 
+MAX_EVALUATION_STARTS = 32
+"""Most evaluation starts of any game; their start numbers count from 0."""
+
 MAX_FRAMES = 100_000
 """Most frames of an episode of any game."""
 

@@ -50,14 +50,27 @@ class GameSettings:
 
     @classmethod
     def from_json(cls, data: dict[str, Any]) -> GameSettings:
-        """Read what `to_json` returned."""
-        hidden = data.get("hidden")
-        return cls(
-            hidden=None if hidden is None else tuple(Rectangle(*area) for area in hidden),
-            max_steps=data.get("max_steps"),
-            end_rule=data.get("end_rule"),
-            options=tuple(sorted(data.get("options", {}).items())),
-        )
+        """Read what `to_json` returned.
+
+        Raises:
+            Invalid: It is something else.
+        """
+        hidden, max_steps, end_rule = (data.get(n) for n in ("hidden", "max_steps", "end_rule"))
+        options = data.get("options") or {}
+        try:
+            if not all(_is_whole(value) for value in (max_steps, *options.values())):
+                raise TypeError
+            return cls(
+                hidden=None if hidden is None else tuple(Rectangle(*area) for area in hidden),
+                max_steps=max_steps,
+                end_rule=None if end_rule is None else str(end_rule),
+                options=tuple(sorted(options.items())),
+            )
+        except (TypeError, AttributeError):
+            raise Invalid(
+                "The settings of a game are hidden areas [left, top, right, bottom], max_steps,"
+                " end_rule and options with whole numbers."
+            ) from None
 
     def to_json(self) -> dict[str, Any]:
         """Return what is set; areas as [left, top, right, bottom]."""
@@ -74,3 +87,7 @@ class GameSettings:
 
 
 UNSET = GameSettings()
+
+
+def _is_whole(value: object) -> bool:
+    return value is None or (isinstance(value, int) and not isinstance(value, bool))

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from tril.games.atari.starts import EVALUATION_START_COUNT
+from tril.games.base import MAX_EVALUATION_STARTS
 
 MAX_DAGGER_STEPS = 60_000
 """DAgger keeps every observation that it has seen, 28 kB each, and twice while it learns."""
@@ -54,11 +54,11 @@ StepNumbers = Annotated[
     ),
 ]
 StartNumbers = Annotated[
-    tuple[Annotated[int, Field(ge=0, lt=EVALUATION_START_COUNT)], ...],
+    tuple[Annotated[int, Field(ge=0, lt=MAX_EVALUATION_STARTS)], ...],
     BeforeValidator(_split),
     Field(
-        max_length=EVALUATION_START_COUNT,
-        description=f"numbers from 0 to {EVALUATION_START_COUNT - 1} with commas between",
+        max_length=MAX_EVALUATION_STARTS,
+        description=f"numbers from 0 to {MAX_EVALUATION_STARTS - 1} with commas between",
     ),
 ]
 Network = Literal["nature", "small"]

@@ -22,7 +22,7 @@ from server.play.wire.protocol import (
 )
 from tril.analysis.summary import Policy
 from tril.errors import Invalid
-from tril.games.atari.starts import EVALUATION_START_COUNT
+from tril.games.base import MAX_EVALUATION_STARTS
 from tril.games.behaviours import Behaviour, score
 from tril.play.episode import Episode
 from tril.store.training.evaluations import ACTION_SELECTIONS, POLICIES, ActionSelection
@@ -81,7 +81,7 @@ def parse_request(
     return WatchRequest(
         run_id,
         tuple(map(_actor_named, players)),
-        None if start is None else _number("start", start, EVALUATION_START_COUNT - 1),
+        None if start is None else _number("start", start, MAX_EVALUATION_STARTS - 1),
         _number("draw", draw or "0", LARGEST_DRAW),
         _number("take", take or "0", LARGEST_DRAW),
     )

@@ -238,8 +238,8 @@ def test_exporting_and_importing_gives_the_same_recordings(client: TestClient) -
 
 def test_an_import_says_which_lines_it_refused_and_why(client: TestClient) -> None:
     good = client.get("/api/behaviours/1/recordings/export").text.splitlines()
-    tampered = json.loads(good[0]) | {"hits": [[5, 5]]}
-    foreign = json.loads(good[0]) | {"rom_md5": hashlib.md5(b"another").hexdigest()}
+    tampered = json.loads(good[0]) | {"taken": [[5, 5]]}
+    foreign = json.loads(good[0]) | {"game_version": hashlib.md5(b"another").hexdigest()}
     body = "\n".join([good[1], json.dumps(tampered), "{", json.dumps(foreign), "", good[2]])
     result = client.post("/api/behaviours/3/recordings/import", content=body).json()
     assert len(result["imported"]) == 2

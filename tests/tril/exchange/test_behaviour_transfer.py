@@ -256,7 +256,7 @@ def _refused(other: Workplace, content: bytes) -> str:
         (b"[1]", "a JSON list"),
         (b'{"format": "zip"}', "got 'zip'"),
         (b'{"format":"tril-recording","version":1}\n{}', "tril recordings import"),
-        (b'{"format":"tril-behaviour","version":2}', "newer version"),
+        (b'{"format":"tril-behaviour","version":3}', "newer version"),
         (b'{"format":"tril-behaviour","version":1}', "recordings is missing"),
         (b"[" * 100_000, "a JSON list"),
         (b'{"a":' * 100_000, "nested too deeply"),
@@ -285,8 +285,8 @@ def _with(path: str, value: object) -> Callable[[File], None]:
 @pytest.mark.parametrize(
     ("change", "reason"),
     [
-        (_with("recordings.0.recording.hits", [[5, 5]]), "Recording 1 was refused"),
-        (_with("recordings.0.recording.rom_md5", "0" * 32), "another ROM"),
+        (_with("recordings.0.recording.taken", [[5, 5]]), "Recording 1 was refused"),
+        (_with("recordings.0.recording.game_version", "0" * 32), "another version"),
         (_with("recordings.1.number", 1), "2 recordings have the number"),
         (_with("recordings.1.parent.number", 77), "goes on from 77, which is not in the file"),
         (_with("recordings.1.parent.number", 2), "goes on from 2, which is itself"),
@@ -300,7 +300,10 @@ def _with(path: str, value: object) -> Callable[[File], None]:
         (_with("rankings.1.undo_to", 2), "undo_to of revision 2"),
         (_with("rankings.3.tiers", [[3]]), "ranks recording 3, which is deleted"),
         (_with("rankings.0.change", "magic"), "rankings.0.change"),
-        (_with("target", [[6, 0]]), "target.0.0"),
+        (_with("target", [[6, 0]]), "target aliens in rows 0..5"),
+        (_with("game", "pong"), "Recording 1 is of space_invaders, the behaviour of pong"),
+        (_with("game", "no_such"), "no game 'no_such'"),
+        (_with("settings", {"max_steps": 1}), "25 to 6000 steps"),
     ],
 )
 def test_files_that_contradict_themselves_are_refused_whole(

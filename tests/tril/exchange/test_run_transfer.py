@@ -317,7 +317,7 @@ HOSTILE: dict[str, tuple[Callable[[Members], object], str]] = {
     "no JSON": (lambda m: m.update({RUN_FILE: b"{"}), "can't be read"),
     "deep JSON": (lambda m: m.update({RUN_FILE: b"[" * 100_000}), "can't be read"),
     "another format": (changed(lambda r: r.update(format="x")), "not a run that Tril exported"),
-    "a newer version": (changed(lambda r: r.update(version=2)), "newer version"),
+    "a newer version": (changed(lambda r: r.update(version=3)), "newer version"),
     "a path for an id": (changed(lambda r: r.update(id="../../etc/passwd")), "id"),
     "a name that is too long": (changed(lambda r: r.update(name="x" * 81)), "name"),
     "notes with a NUL": (changed(lambda r: r.update(notes="\0")), "can't be accepted"),
@@ -444,7 +444,7 @@ def test_recordings_of_a_file_from_elsewhere_have_to_replay(
 ) -> None:
     members = members_of(exported[2])
     lines = [json.loads(line) for line in members[RANKED].splitlines()]
-    lines[0]["ram_hashes"][0] = "0" * 16
+    lines[0]["hashes"][0] = "0" * 16
     members[RANKED] = "".join(f"{json.dumps(line)}\n" for line in lines).encode()
     archive = read_archive(zipped(members))
     with pytest.raises(Invalid, match=r"Nothing was imported. Recording \d+ was refused"):

@@ -16,21 +16,24 @@ from pydantic import BeforeValidator, ConfigDict, Field, ValidationError
 from tril.errors import Invalid
 from tril.exchange.formats.json_text import decode_json, describe_foreign, parse_json
 from tril.exchange.formats.recording_object import (
+    MAX_ITEMS,
     CellArray,
+    GameName,
     Moment,
     RecordingObject,
+    SettingsObject,
     StrictModel,
     describe_errors,
     normalise_json,
     reject_bool,
     truncated,
 )
-from tril.games.space_invaders.memory import COLUMNS, MAX_FRAMES, ROWS
+from tril.games.base import MAX_FRAMES
 from tril.recording import RecordingRefused
 from tril.text import Line
 
 BEHAVIOUR_FORMAT = "tril-behaviour"
-BEHAVIOUR_VERSION = 1
+BEHAVIOUR_VERSION = 2
 
 MAX_RECORDINGS = 10_000
 MAX_REVISIONS = 100_000
@@ -98,19 +101,20 @@ class BehaviourObject(_ClosedModel):
     model_config = ConfigDict(title="Tril behaviour")
 
     format: Literal["tril-behaviour"]
-    version: Annotated[Literal[1], BeforeValidator(reject_bool)]
-    game: Literal["space_invaders"]
+    version: Annotated[Literal[1, 2], BeforeValidator(reject_bool)]
+    game: GameName
+    settings: SettingsObject = Field(default={}, description="What the behaviour sets of its game.")
     slug: str = Field(min_length=1, max_length=80, pattern="^[a-z0-9-]+$")
     name: Line = Field(min_length=1, max_length=120)
     description: str = Field(default="", max_length=2000)
     target: list[CellArray] | None = Field(
         default=None,
         min_length=1,
-        max_length=ROWS * COLUMNS,
-        description="Aliens to hit: [row from the bottom, column from the left], from 0; null"
-        " where hits do not describe the behaviour.",
+        max_length=MAX_ITEMS,
+        description="Items to take: [row from the bottom, column from the left], from 0; null"
+        " where items do not describe the behaviour.",
     )
-    ordered: bool = Field(default=False, description="Whether they have to be hit in this order.")
+    ordered: bool = Field(default=False, description="Whether they have to be taken in this order.")
     recordings: list[NumberedRecording] = Field(max_length=MAX_RECORDINGS)
     rankings: list[RevisionObject] = Field(
         max_length=MAX_REVISIONS, description="Every revision, from 1 on; the last is in force."

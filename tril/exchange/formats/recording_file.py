@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from tril.errors import Invalid, NotFound
 from tril.exchange.formats.recording_object import (
     FORMAT,
     VERSION,
@@ -17,9 +18,10 @@ from tril.exchange.formats.recording_object import (
 )
 from tril.games import game_named
 from tril.games.base import Game, Taken
+from tril.games.settings import GameSettings
 from tril.play.consoles import Consoles
 from tril.ranking import Ranking
-from tril.recording import Recording, Replay, verify
+from tril.recording import Recording, RecordingRefused, Replay, verify
 
 
 @dataclass(frozen=True)
@@ -68,13 +70,14 @@ def dump_recording(
 ) -> dict[str, Any]:
     """Return a recording in the exchange format, ready for json.dumps."""
     optional = {
-        "hits": None if taken is None else [[one.row, one.column] for one in taken],
+        "taken": None if taken is None else [[one.row, one.column] for one in taken],
         "tier": tier,
         "perfect": perfect,
         "source": source,
         "end": end,
-        "ending": None if recording.end_rule == recording.game.end_rule else recording.end_rule,
-        "ram_hashes": list(recording.hashes) or None,
+        "max_steps": recording.game.settings.max_steps,
+        "end_rule": None if recording.end_rule == recording.game.end_rule else recording.end_rule,
+        "hashes": list(recording.hashes) or None,
         "conditions": conditions or None,
         "parent": parent,
         "notes": notes or None,
@@ -83,7 +86,7 @@ def dump_recording(
         "format": FORMAT,
         "version": VERSION,
         "game": recording.game.name,
-        "rom_md5": recording.version,
+        "game_version": recording.version,
         "start": recording.start.to_json(),
         "actions": base64.b64encode(recording.actions).decode("ascii"),
     } | {key: value for key, value in optional.items() if value is not None}
@@ -97,20 +100,13 @@ def load_recording(content: object, consoles: Consoles | None = None) -> Importe
         consoles: Consoles to replay on, shared by the recordings of a file.
 
     Raises:
-        RecordingRefused: The content is invalid, was played on another ROM, or its hits or
-            hashes differ from the replay's.
+        RecordingRefused: The content is invalid, is of a game that is not installed or was played
+            on another version of it, or its items or hashes differ from the replay's.
     """
     given = parse_recording(content)
-    game = game_named(given.game)
-    recording = Recording(
-        game=game,
-        start=game.starts.parse(given.start.values()),
-        actions=base64.b64decode(given.actions),
-        hashes=tuple(given.ram_hashes or ()),
-        version=given.rom_md5,
-        end_rule=given.ending or "",
-    )
-    cells = None if given.hits is None else [(row, column) for row, column in given.hits]
+    recording = as_recording(given)
+    game = recording.game
+    cells = None if given.taken is None else [(row, column) for row, column in given.taken]
     verified = verify(recording, cells, (consoles or Consoles()).of(game))
     return ImportedRecording(
         recording=verified.recording,
@@ -123,6 +119,28 @@ def load_recording(content: object, consoles: Consoles | None = None) -> Importe
         parent=given.parent,
         notices=tuple(_notices(game, given, verified.replay, verified.n_cut)),
     )
+
+
+def as_recording(given: RecordingObject) -> Recording:
+    """Return the recording that an object holds, not replayed yet.
+
+    Raises:
+        RecordingRefused: Its game is not installed, or has no such start, rule or action.
+    """
+    try:
+        game = game_named(given.game).with_settings(GameSettings(max_steps=given.max_steps))
+        return Recording(
+            game=game,
+            start=game.starts.parse(given.start),
+            actions=base64.b64decode(given.actions),
+            hashes=tuple(given.hashes or ()),
+            version=given.game_version,
+            end_rule=given.end_rule or "",
+        )
+    except RecordingRefused:
+        raise
+    except (Invalid, NotFound) as refusal:
+        raise RecordingRefused(str(refusal)) from None
 
 
 def ranking_of(recordings: Sequence[ImportedRecording]) -> tuple[Ranking, tuple[str, ...]]:
@@ -156,9 +174,5 @@ def _notices(game: Game, given: RecordingObject, played: Replay, n_cut: int) -> 
         known = [known.name for known in game.ends]
         hint = "" if given.end in known else f" Known ends: {', '.join(known)}."
         yield f"The given end is {truncated(repr(given.end))}, but the replay {end}.{hint}"
-    unknown = [
-        *(given.model_extra or {}),
-        *(f"start.{key}" for key in given.start.model_extra or {}),
-    ]
-    if unknown:
+    if unknown := list(given.model_extra or {}):
         yield f"Unknown members were ignored: {truncated(', '.join(unknown), 200)}."

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from datetime import UTC, datetime
 from typing import Annotated, Any, Literal
 
@@ -15,15 +15,14 @@ from pydantic import (
     ConfigDict,
     Field,
     ValidationError,
+    model_validator,
 )
 
-from tril.games.atari.starts import MAX_IDLE_FRAMES
-from tril.games.space_invaders.memory import COLUMNS, ROWS
 from tril.recording import RecordingRefused
 from tril.text import TextRefused, clean_line, clean_lines
 
 FORMAT = "tril-recording"
-VERSION = 1
+VERSION = 2
 MAX_NOTES_LENGTH = 4000
 FIRST_YEAR, LAST_YEAR = 1970, 9998
 MAX_DEPTH = 16
@@ -32,7 +31,16 @@ MAX_DEPTH = 16
 Source = Literal["person", "scripted", "policy", "varied"]
 """Who played a recording; random: nobody, its actions were drawn at random."""
 
-CellArray = Annotated[list[Annotated[int, Field(ge=0, lt=ROWS)]], Field(min_length=2, max_length=2)]
+MAX_CELL = 255
+"""Largest row or column of an item."""
+MAX_ITEMS = 10_000
+
+CellArray = Annotated[
+    list[Annotated[int, Field(ge=0, le=MAX_CELL)]], Field(min_length=2, max_length=2)
+]
+
+GameName = Annotated[str, Field(min_length=1, max_length=160)]
+SettingsObject = Annotated[dict[str, Any], Field(max_length=8)]
 
 
 def _in_utc(moment: datetime) -> datetime:
@@ -45,9 +53,31 @@ def _in_utc(moment: datetime) -> datetime:
 Moment = Annotated[AwareDatetime, AfterValidator(_in_utc)]
 """A time in UTC."""
 
-# Base64 of one or more bytes from 0 to 5; tested against the decoder.
-_BYTE = "(?:A[AQgw]|B[AQ])"
-_ACTIONS = f"^(?:{_BYTE}[AEIMQU][A-F])*(?:{_BYTE}[AEIMQU][A-F]|{_BYTE}[AEIMQU]=|{_BYTE}==)$"
+_ACTIONS = "^(?:[A-Za-z0-9+/]{4})*(?:[A-Za-z0-9+/]{4}|[A-Za-z0-9+/]{3}=|[A-Za-z0-9+/]{2}==)$"
+
+_RENAMED = {
+    "rom_md5": "game_version",
+    "ending": "end_rule",
+    "hits": "taken",
+    "ram_hashes": "hashes",
+}
+"""Members of version 1, and what they are called since."""
+_START_1 = ("idle_frames", "mode", "difficulty")
+
+
+def _as_version_2(content: object) -> object:
+    """Rename what version 1, which had one game, called otherwise; other content stays."""
+    if not isinstance(content, dict) or content.get("version") != 1:
+        return content
+    if isinstance(content["version"], bool):
+        return content
+    renamed = {_RENAMED.get(name, name): value for name, value in content.items()}
+    start = content.get("start")
+    if isinstance(start, dict):
+        # It ignored what it did not know of a start; the game now says what there is.
+        renamed["start"] = {name: start[name] for name in _START_1 if name in start}
+        renamed |= {f"start.{name}": start[name] for name in start if name not in _START_1}
+    return renamed | {"version": VERSION}
 
 
 def reject_bool(value: object) -> object:
@@ -78,58 +108,41 @@ class StrictModel(BaseModel):
     model_config = ConfigDict(strict=True, extra="allow")
 
 
-class StartObject(StrictModel):
-    """How the game began."""
-
-    model_config = ConfigDict(title="Start")
-
-    idle_frames: int = Field(
-        ge=0,
-        le=MAX_IDLE_FRAMES,
-        description="Frames without a key after the 128 frames of the intro.",
-    )
-    mode: Annotated[Literal[0], BeforeValidator(reject_bool)] = Field(
-        default=0, description="The cartridge's game mode."
-    )
-    difficulty: Annotated[Literal[0, 1], BeforeValidator(reject_bool)] = Field(
-        default=0, description="The difficulty switch."
-    )
-
-    def values(self) -> dict[str, int]:
-        """Return the values by name."""
-        return {
-            "idle_frames": self.idle_frames,
-            "mode": self.mode,
-            "difficulty": self.difficulty,
-        }
-
-
 class RecordingObject(StrictModel):
-    """One recording of Tril, see exchange-format.md. Unknown members are ignored with a notice."""
+    """One recording of Tril, see exchange-format.md. Unknown members are ignored with a notice.
+
+    Objects of version 1 are read as those of version 2.
+    """
 
     model_config = ConfigDict(title="Tril recording")
 
     format: Literal["tril-recording"]
-    version: Annotated[Literal[1], BeforeValidator(reject_bool)]
-    game: Literal["space_invaders"]
-    rom_md5: str = Field(
-        pattern="^[0-9a-f]{32}$", description="MD5 of the ROM that the game was played on."
+    version: Annotated[Literal[2], BeforeValidator(reject_bool)]
+    game: GameName = Field(description="Name of the game, e.g. space_invaders, breakout.")
+    game_version: str = Field(
+        min_length=1,
+        max_length=64,
+        description="What a replay depends on: the MD5 of the ROM, or the package's version.",
     )
-    start: StartObject
-    ending: Literal["hit", "life_counter"] | None = Field(
+    start: dict[str, int] = Field(
+        max_length=8, description="How the game began, in the game's own words."
+    )
+    max_steps: int | None = Field(
+        default=None, ge=1, le=100_000, description="Its longest; none for the game's own length."
+    )
+    end_rule: str | None = Field(
         default=None,
-        description="Which rule for the player's death ends the episode: hit, the default, at the"
-        " hit itself; life_counter, about 130 frames later, where the game counts a life less.",
+        max_length=16,
+        description="By which of the game's rules a loss ends it; none for the default.",
     )
     actions: str = Field(
         pattern=_ACTIONS,
-        description="Base64 of one byte per frame: 0 NOOP, 1 FIRE, 2 RIGHT, 3 LEFT, 4 RIGHTFIRE,"
-        " 5 LEFTFIRE. The first is executed at frame 128 + idle_frames after reset.",
+        description="Base64 of one byte per frame: an index of the game's actions.",
     )
-    hits: list[CellArray] | None = Field(
+    taken: list[CellArray] | None = Field(
         default=None,
-        max_length=ROWS * COLUMNS,
-        description="Aliens shot, in order of time: [row from the bottom, column from the left],"
+        max_length=MAX_ITEMS,
+        description="Items taken, in order of time: [row from the bottom, column from the left],"
         " from 0. Checked by a replay.",
     )
     tier: int | None = Field(
@@ -142,15 +155,14 @@ class RecordingObject(StrictModel):
     source: Source | None = Field(default=None, description="Who played it.")
     end: Any = Field(
         default=None,
-        description="Why the episode ended: hit, lives, landed, cleared or steps; none of them"
-        " where the recording ends before its episode. Compared with a replay; a difference is a"
-        " notice.",
+        description="How the episode ended, by the game's name for it; none where the recording"
+        " ends before its episode. Compared with a replay; a difference is a notice.",
     )
-    ram_hashes: list[Annotated[str, Field(pattern="^[0-9a-f]{16}$")]] | None = Field(
+    hashes: list[Annotated[str, Field(pattern="^[0-9a-f]{16}$")]] | None = Field(
         default=None,
         max_length=10_000,
-        description="BLAKE2b (8 bytes, hexadecimal) of the 128 bytes of RAM after every 60th"
-        " frame. Checked by a replay.",
+        description="BLAKE2b (8 bytes, hexadecimal) of the game's memory, or of its screen where it"
+        " shows none, after every second. Checked by a replay.",
     )
     conditions: Annotated[dict[str, Any] | None, AfterValidator(check_depth)] = Field(
         default=None, description="Anything about how it was played; kept as it is."
@@ -161,6 +173,11 @@ class RecordingObject(StrictModel):
     notes: str | None = Field(
         default=None, max_length=MAX_NOTES_LENGTH, description="A person's remarks."
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _upgrade(cls, content: object) -> object:
+        return _as_version_2(content)
 
 
 def parse_recording(content: object) -> RecordingObject:
@@ -173,12 +190,13 @@ def parse_recording(content: object) -> RecordingObject:
         raise RecordingRefused(
             f"Expected one JSON object per recording, got {truncated(repr(content))}."
         )
+    names = {new: old for old, new in _RENAMED.items()} if content.get("version") == 1 else {}
     try:
         return RecordingObject.model_validate(normalise_json(content))
     except RecursionError:
         raise RecordingRefused("The recording is nested too deeply.") from None
     except ValidationError as error:
-        raise RecordingRefused(" ".join(describe_errors(error))) from None
+        raise RecordingRefused(" ".join(describe_errors(error, names))) from None
 
 
 def recording_schema() -> dict[str, Any]:
@@ -226,11 +244,19 @@ def _cleaned(text: str, clean: Callable[[str], str]) -> str:
         raise RecordingRefused(f"The text {quoted} can't be accepted. {refusal}") from None
 
 
-def describe_errors(error: ValidationError) -> Iterator[str]:
-    """Yield one sentence for each of the first few invalid members."""
+def describe_errors(
+    error: ValidationError, names: Mapping[str, str] | None = None
+) -> Iterator[str]:
+    """Yield one sentence for each of the first few invalid members.
+
+    Args:
+        error: What is wrong.
+        names: What members are called in the file, where they are called otherwise.
+    """
+    names = names or {}
     problems = error.errors(include_url=False)
     for problem in problems[:4]:
-        place = ".".join(str(part) for part in problem["loc"])
+        place = ".".join(names.get(str(part), str(part)) for part in problem["loc"])
         got = truncated(repr(problem["input"]))
         if isinstance(refusal := problem.get("ctx", {}).get("error"), TextRefused):
             yield f"{place}: {refusal}"
@@ -240,13 +266,8 @@ def describe_errors(error: ValidationError) -> Iterator[str]:
                 yield f"{place} is missing."
             case "string_pattern_mismatch", "actions":
                 yield (
-                    "actions: expected base64 of one byte from 0 to 5 per frame and at least one"
-                    f" frame, got {got}."
-                )
-            case "literal_error", "start.mode":
-                yield (
-                    f"start.mode: expected 0, got {got}. Alien detection is only tested in"
-                    " mode 0, so other modes are not accepted."
+                    "actions: expected base64 of one byte per frame and at least one frame, got"
+                    f" {got}."
                 )
             case _:
                 message = problem["msg"].replace("Input should be", "expected")

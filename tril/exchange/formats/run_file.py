@@ -18,14 +18,16 @@ from tril.analysis.summary import Policy
 from tril.errors import Invalid
 from tril.exchange.formats.json_text import decode_json, parse_json
 from tril.exchange.formats.recording_object import (
+    MAX_ITEMS,
     CellArray,
+    GameName,
     Moment,
+    SettingsObject,
     describe_errors,
     normalise_json,
     truncated,
 )
-from tril.games.atari.starts import EVALUATION_START_COUNT
-from tril.games.space_invaders.memory import COLUMNS, MAX_FRAMES, ROWS
+from tril.games.base import MAX_EVALUATION_STARTS, MAX_FRAMES
 from tril.recording import RecordingRefused
 from tril.stages import Stage
 from tril.store.training.evaluations import ActionSelection
@@ -33,13 +35,14 @@ from tril.store.training.runs import MAX_NAME_LENGTH, MAX_NOTES_LENGTH
 from tril.text import Line
 
 RUN_FORMAT: Final = "tril-run"
-RUN_VERSION: Final = 1
+RUN_VERSION: Final = 2
 
 MAX_DEMONSTRATIONS = 2_000
-MAX_GAMES = 2 * len(get_args(ActionSelection)) * EVALUATION_START_COUNT
+MAX_GAMES = 2 * len(get_args(ActionSelection)) * MAX_EVALUATION_STARTS
 MAX_POINTS = 20_000
 
 _Number = Annotated[int, Field(ge=1, le=2**31 - 1)]
+_Count = Annotated[int, Field(ge=0, le=MAX_FRAMES)]
 _Text = Annotated[Line, Field(max_length=200)]
 
 
@@ -57,19 +60,22 @@ class TaughtBehaviour(_ClosedModel):
     slug: str = Field(min_length=1, max_length=80, pattern="^[a-z0-9-]+$")
     name: Line = Field(min_length=1, max_length=120)
     description: str = Field(max_length=2000)
-    target: list[CellArray] | None = Field(min_length=1, max_length=ROWS * COLUMNS)
+    target: list[CellArray] | None = Field(min_length=1, max_length=MAX_ITEMS)
     ordered: bool
+    settings: SettingsObject = {}
 
 
 class PlayedGame(_ClosedModel):
     """What the exchange format does not say of a recording.
 
-    ``hit_frames`` has the frame of each of its hits.
+    ``taken_frames`` has the frame in which each of its items was taken. Version 1 called them
+    ``hit_frames``, and counted ``shots`` alone.
     """
 
     number: _Number
-    shots: int = Field(ge=0, le=MAX_FRAMES)
-    hit_frames: list[Annotated[int, Field(ge=0, le=MAX_FRAMES)]] = Field(max_length=ROWS * COLUMNS)
+    counters: dict[Annotated[str, Field(max_length=32)], _Count] = Field(max_length=16)
+    score: float = 0.0
+    taken_frames: list[_Count] = Field(max_length=MAX_ITEMS)
     played_at: Moment
 
 
@@ -78,7 +84,7 @@ class EvaluationGame(PlayedGame):
 
     policy: Policy
     action_selection: ActionSelection
-    start_number: int = Field(ge=0, lt=EVALUATION_START_COUNT)
+    start_number: int = Field(ge=0, lt=MAX_EVALUATION_STARTS)
     held_out: bool
     predicted_return: float | None
     final_level: float | None = None
@@ -96,8 +102,8 @@ class RunObject(_ClosedModel):
     """One finished run of Tril, see run-archive.md."""
 
     format: Literal["tril-run"]
-    version: Literal[1]
-    game: Literal["space_invaders"]
+    version: Literal[2]
+    game: GameName
     tril: _Text
     id: str = Field(pattern="^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$")
     name: Line = Field(default="", max_length=MAX_NAME_LENGTH)
@@ -138,6 +144,7 @@ def parse_run(content: bytes) -> RunObject:
             raise RunRefused("This is not a run that Tril exported.")
         if isinstance(version := given.get("version"), int) and version > RUN_VERSION:
             raise RunRefused("The run was exported by a newer version of Tril. Update Tril.")
+        given = _as_version_2(given)
         # In the mode of JSON, in which times and tuples may be texts and lists.
         run = RunObject.model_validate_json(json.dumps(normalise_json(given, keep_numbers=True)))
     except ValidationError as error:
@@ -147,6 +154,25 @@ def parse_run(content: bytes) -> RunObject:
     if contradictions := list(_contradictions(run)):
         raise RunRefused(" ".join(contradictions[:4]))
     return run
+
+
+def _as_version_2(given: dict[str, Any]) -> dict[str, Any]:
+    """Rename what version 1, which had one game, called otherwise."""
+    if given.get("version") != 1:
+        return given
+    upgraded = dict(given)
+    for name in ("ranked", "unranked", "evaluation"):
+        games = given.get(name)
+        if isinstance(games, list):
+            upgraded[name] = [_played_since(game) for game in games]
+    return upgraded | {"version": RUN_VERSION}
+
+
+def _played_since(game: object) -> object:
+    if not isinstance(game, dict) or "shots" not in game:
+        return game
+    rest = {key: value for key, value in game.items() if key not in ("shots", "hit_frames")}
+    return rest | {"counters": {"shots": game["shots"]}, "taken_frames": game.get("hit_frames")}
 
 
 def _contradictions(run: RunObject) -> Iterator[str]:

@@ -1,0 +1,1 @@
+"""What games cost and allow, game by game."""
