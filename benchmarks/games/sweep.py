@@ -25,7 +25,7 @@ from tril.errors import TrilError
 from tril.games import game_named, game_titles
 from tril.games.base import Console, Game, spread_starts
 from tril.play.episode import Episode
-from tril.play.observation import AgentView
+from tril.play.observation import OBSERVATION_SHAPE, AgentView
 from tril.recording import Recorder, verify
 
 PLAYED_S = 10
@@ -95,6 +95,7 @@ def _played(game: Game, console: Console, load_ms: float) -> Row:
     view = AgentView(game)
     view.reset(console)
     encoder, decoder = FrameEncoder(game.screen.shape), FrameDecoder(game.screen.shape)
+    observation = np.empty(OBSERVATION_SHAPE, np.uint8)
     stepping = 0.0
     sizes = []
     problem = ""
@@ -103,7 +104,7 @@ def _played(game: Game, console: Console, load_ms: float) -> Row:
         recorder.advance(action)
         view.update(console, recorder.episode.frame)
         if recorder.episode.frame % game.clock.frames_per_step == 0:
-            view.observe()
+            view.observe(observation)
         stepping += time.perf_counter() - began
         screen = console.screen()
         encoded = encoder.encode(screen)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
@@ -18,8 +19,9 @@ from tril.errors import Invalid
 from tril.exchange import behaviour_transfer
 from tril.exchange.formats.behaviour_file import BehaviourRefused
 from tril.files.artifact_store import write_whole
-from tril.games import game_named
+from tril.games import DEFAULT_GAME, game_named
 from tril.games.base import Cell
+from tril.games.settings import GameSettings
 from tril.store import audit, behaviours, borrowed, players, rankings
 
 app = typer.Typer(help="The behaviours to teach.", no_args_is_help=True)
@@ -71,11 +73,25 @@ def add(
         typer.Option(help="A target alien as ROW,COLUMN counted from 1, row 1 at the bottom."),
     ] = None,
     ordered: Annotated[bool, typer.Option(help="Targets have to be hit in this order.")] = False,
+    game: Annotated[str, typer.Option(help="As `tril games list` names it.")] = DEFAULT_GAME,
+    seconds: Annotated[float | None, typer.Option(help="Longest game.")] = None,
+    end_rule: Annotated[
+        str | None, typer.Option(help="When a loss ends a game; see `tril games show`.")
+    ] = None,
+    option: Annotated[
+        list[str] | None, typer.Option(help="Of the start, e.g. mode=4; see `tril games show`.")
+    ] = None,
 ) -> None:
     """Add a behaviour."""
     with open_workspace() as workspace, workspace.database.writing() as session:
         cells = None if target is None else tuple(_cell(text) for text in target)
-        row = behaviours.create(session, name, description, cells, ordered)
+        clock = game_named(game).clock
+        steps = None
+        if seconds is not None:
+            steps = round(seconds * clock.frame_rate_hz / clock.frames_per_step)
+        options = tuple(sorted(_option(text) for text in option or ()))
+        settings = GameSettings(None, steps, end_rule, options)
+        row = behaviours.create(session, name, description, cells, ordered, game, settings)
         console.print(f"Added {row.slug}.")
 
 
@@ -185,6 +201,13 @@ def import_file(
         f"Imported into {outcome.slug}, {where}: {outcome.n_recordings} recordings,"
         f" {outcome.n_revisions} revisions of the ranking."
     )
+
+
+def _option(text: str) -> tuple[str, int]:
+    name, _, value = text.partition("=")
+    if not re.fullmatch(r"-?\d{1,9}", value):
+        raise Invalid(f"Expected an option as NAME=NUMBER, e.g. mode=4, got {text!r}.")
+    return name, int(value)
 
 
 def _cell(text: str) -> Cell:

@@ -21,6 +21,7 @@ from cli.output import console, errors
 from cli.workspace import open_workspace
 from tril.demonstrators import KINDS, SCRIPTED
 from tril.files.artifact_store import ArtifactStore
+from tril.games import DEFAULT_GAME, game_named
 
 
 def demo(
@@ -43,7 +44,7 @@ def demo(
     from trainer.reporting.run_report import write_report
 
     with open_workspace() as workspace:
-        chosen = chosen_recipe(recipe, value)
+        chosen = chosen_recipe(recipe, value, game_named(DEFAULT_GAME))
         run_id = start_run(
             workspace,
             behaviour,

@@ -17,6 +17,7 @@ from cli.workspace import Workspace, open_workspace
 from tril.demonstrators import KINDS, SCRIPTED, kind_named
 from tril.errors import Invalid
 from tril.files.artifact_store import ArtifactStore
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.games.space_invaders.behaviours import BUILT_IN
 from tril.recipes import RECIPES, Recipe, judged_where_trained, recipe_from_dict
 from tril.store import behaviours
@@ -95,7 +96,7 @@ def reproduce(
     from trainer.reporting.ledger import Ledger
     from trainer.reporting.results_page import write_page
 
-    chosen = chosen_recipe(recipe, value)
+    chosen = chosen_recipe(recipe, value, SPACE_INVADERS)
     slugs = behaviour or list(_BEHAVIOURS)
     if unknown := [slug for slug in slugs if slug not in _BEHAVIOURS]:
         raise typer.BadParameter(

@@ -20,8 +20,10 @@ from tril.errors import Invalid
 from tril.exchange.run_archive import read_archive
 from tril.exchange.run_transfer import import_run
 from tril.files.artifact_store import ArtifactStore
+from tril.games import game_of
+from tril.games.base import Game
 from tril.jobs import estimate, overall_progress
-from tril.recipes import RECIPES, Recipe, recipe_named, with_values
+from tril.recipes import RECIPES, Recipe, recipe_named, recipes_for, with_values
 from tril.store import audit, behaviours, players, processes
 from tril.store.models import RunDevice, RunRow
 from tril.store.training import evaluations, runs
@@ -80,19 +82,28 @@ def start_run(
     return run_id
 
 
-def chosen_recipe(name: str, values: list[str] | None) -> Recipe:
-    """Return a recipe with values such as ``policy.learning_rate=0.001`` replaced."""
+def chosen_recipe(name: str, values: list[str] | None, game: Game) -> Recipe:
+    """Return a game's recipe with values such as ``policy.learning_rate=0.001`` replaced.
+
+    Args:
+        name: The recipe; "" for the one that is proposed for the game.
+        values: The values.
+        game: The game.
+    """
+    name = name or next(iter(recipes_for(game.pretrained)))
     changes: dict[str, str] = {}
     for entry in values or []:
         path, equals, changes[path] = entry.partition("=")
         if not equals:
             raise Invalid(f"Expected NAME=VALUE such as policy.n_epochs=4, got {entry!r}.")
-    return with_values(recipe_named(name), changes)
+    return with_values(recipe_named(name, game.pretrained), changes)
 
 
 def train(
     behaviour: Annotated[str, typer.Argument(help="Short name of the behaviour.")],
-    recipe: RecipeOption = "fast",
+    recipe: Annotated[
+        str, typer.Option(help=f"One of {', '.join(RECIPES)}; else the one proposed for the game.")
+    ] = "",
     steps: StepsOption = None,
     training_seed: SeedOption = 0,
     value: SetOption = None,
@@ -110,7 +121,9 @@ def train(
 ) -> None:
     """Train an imitator and a clone on a behaviour's ranking."""
     with open_workspace() as workspace:
-        chosen = chosen_recipe(recipe, value)
+        with workspace.database.reading() as session:
+            taught = behaviours.as_behaviour(find_behaviour(session, behaviour))
+        chosen = chosen_recipe(recipe, value, game_of(taught))
         run_id = start_run(
             workspace,
             behaviour,

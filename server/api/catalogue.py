@@ -17,7 +17,7 @@ from tril import __version__
 from tril.demonstrators.varied import has_player
 from tril.games import game_named, game_titles
 from tril.games.settings import MAX_STEPS
-from tril.play.sample import sample
+from tril.sample import sample
 from tril.store.models import BehaviourRow, RecordingRow, Source
 
 router = APIRouter(prefix="/catalogue", tags=["catalogue"])

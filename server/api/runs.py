@@ -14,7 +14,8 @@ from server.dependencies import MAX_ID, ReadSession, RunId, Who, WriteSession, s
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril import jobs
 from tril.errors import Conflict
-from tril.recipes import RECIPES, recipe_named, with_values
+from tril.games import DEFAULT_GAME, game_named, game_of
+from tril.recipes import recipe_named, recipes_for, with_values
 from tril.store import behaviours
 from tril.store.models import NOT_OVER
 from tril.store.training import metrics, runs
@@ -25,11 +26,14 @@ MOST_STEPS = 2_000
 router = APIRouter(tags=["runs"])
 
 
-@router.get("/recipes")
-def list_recipes(session: ReadSession) -> list[Recipe]:
-    """Return the recipes, the proposed one first."""
+@router.get("/recipes", responses=NOT_FOUND)
+def list_recipes(
+    session: ReadSession,
+    game: Annotated[str, Query(max_length=160, description="Its name.")] = DEFAULT_GAME,
+) -> list[Recipe]:
+    """Return the recipes that a game can be trained with, the proposed one first."""
     shown = []
-    for recipe in RECIPES.values():
+    for recipe in recipes_for(game_named(game).pretrained).values():
         estimate = jobs.estimate(session, recipe)
         shown.append(
             Recipe(
@@ -65,11 +69,12 @@ def list_runs(
 @router.post("/runs", status_code=201, responses=NOT_FOUND | CONFLICT)
 def create_run(request: Request, who: Who, new: RunNew) -> Run:
     """Start a training from the current ranking; a worker takes it from the queue."""
-    recipe = recipe_named(new.recipe)
-    if new.learning_rate is not None:
-        recipe = with_values(recipe, {"policy.learning_rate": new.learning_rate})
     services = services_of(request)
     with services.database.writing() as session:
+        taught = behaviours.as_behaviour(behaviours.get(session, new.behaviour_id))
+        recipe = recipe_named(new.recipe, game_of(taught).pretrained)
+        if new.learning_rate is not None:
+            recipe = with_values(recipe, {"policy.learning_rate": new.learning_rate})
         row = runs.create(
             session,
             new.behaviour_id,

@@ -509,6 +509,7 @@ class Game:
         overlay: What the page may draw over its screens, if anything.
         memory_names: Names of memory addresses.
         ghost: Reads the player's track off a recording's memory and start; None if it can't be.
+        pretrained: Whether networks that ship with Tril have learned to read its screens.
         behaviours: Behaviours that come with it.
         attribution: Licence and origin, where it has to be told.
         settings: What a behaviour sets of it; is in force in the other attributes.
@@ -532,6 +533,7 @@ class Game:
     overlay: Overlay | None = None
     memory_names: Mapping[int, str] = field(default_factory=dict)
     ghost: Callable[[bytes, Start], Track] | None = None
+    pretrained: bool = False
     behaviours: tuple[Behaviour, ...] = ()
     attribution: str = ""
     settings: GameSettings = UNSET
@@ -554,7 +556,10 @@ class Game:
         Raises:
             Invalid: The game has no such end rule or option, or cannot be as long.
         """
-        return self if settings == self.settings else _with_settings(self, settings)
+        if settings == self.settings:
+            return self
+        plain = self if self.settings == UNSET else _named(self.name)
+        return plain if settings == UNSET else _with_settings(plain, settings)
 
     def end(self, name: str) -> End:
         """Return the end of this name.
@@ -617,8 +622,7 @@ class Game:
 
 
 @lru_cache(maxsize=256)
-def _with_settings(game: Game, settings: GameSettings) -> Game:
-    plain = game if game.settings == UNSET else _named(game.name)
+def _with_settings(plain: Game, settings: GameSettings) -> Game:
     screen, clock, end_rules = plain.screen, plain.clock, plain.end_rules
     if settings.hidden is not None:
         if len(settings.hidden) > MAX_HIDDEN:

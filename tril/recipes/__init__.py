@@ -1,6 +1,6 @@
 """The learning recipes, as data. A run stores the whole recipe that it was made with."""
 
-from tril.recipes.built_in import DAGGER, FAST, GAIL, PAPER, RECIPES, recipe_named
+from tril.recipes.built_in import DAGGER, FAST, GAIL, PAPER, RECIPES, recipe_named, recipes_for
 from tril.recipes.changes import (
     FOR_PEOPLE,
     FORMER_NAMES,
@@ -44,5 +44,6 @@ __all__ = [
     "judged_where_trained",
     "recipe_from_dict",
     "recipe_named",
+    "recipes_for",
     "with_values",
 ]

@@ -101,14 +101,44 @@ GAIL = replace(
 
 RECIPES: dict[str, Recipe] = {recipe.name: recipe for recipe in (FAST, PAPER, DAGGER, GAIL)}
 
+_FROM_SCREENS: dict[str, Recipe] = {
+    PAPER.name: PAPER,
+    GAIL.name: replace(
+        GAIL,
+        reward=PAPER.reward,
+        policy=replace(GAIL.policy, freeze_convolutions=False),
+        cloning=replace(GAIL.cloning, pretrained=False, freeze_convolutions=False),
+    ),
+}
 
-def recipe_named(name: str) -> Recipe:
+
+def recipes_for(pretrained: bool) -> dict[str, Recipe]:
+    """Return the recipes for a game by name, the proposed one first.
+
+    Args:
+        pretrained: Whether networks that ship with Tril have learned to read its screens
+            (`tril.games.base.Game.pretrained`); else only what learns from screens alone is left.
+    """
+    return RECIPES if pretrained else _FROM_SCREENS
+
+
+def recipe_named(name: str, pretrained: bool = True) -> Recipe:
     """Return a built-in recipe.
 
+    Args:
+        name: Its name.
+        pretrained: As for `recipes_for`.
+
     Raises:
-        Invalid: There is none of this name; the message lists the names.
+        Invalid: There is none of this name for such a game; the message lists the names.
     """
-    try:
-        return RECIPES[name]
-    except KeyError:
-        raise Invalid(f"There is no recipe {name!r}; choose one of {', '.join(RECIPES)}.") from None
+    known = recipes_for(pretrained)
+    if name in known:
+        return known[name]
+    others = ", ".join(known)
+    if name in RECIPES:
+        raise Invalid(
+            f"The recipe {name!r} needs networks that have learned to read the game's screens,"
+            f" which this game does not have; choose one of {others}."
+        )
+    raise Invalid(f"There is no recipe {name!r}; choose one of {others}.")

@@ -365,6 +365,13 @@ class Recipe:
         return (ordered and self.ordered_steps) or self.default_steps
 
     @property
+    def needs_pretrained(self) -> bool:
+        """Whether it needs networks that have learned to read the game's screens."""
+        return (
+            self.method == "dagger" or self.reward.method == "posterior" or self.cloning.pretrained
+        )
+
+    @property
     def begins_with_clone(self) -> bool:
         """Whether PPO begins with a policy that is there already: the clone, or a parent's."""
         return self.method != "dagger" and self.policy.warm_start

@@ -88,5 +88,6 @@ SPACE_INVADERS = Game(
     ),
     memory_names=facts.RAM_NAMES,
     ghost=cannon_track,
+    pretrained=True,
     behaviours=BUILT_IN,
 )

@@ -12,8 +12,9 @@ from sqlalchemy.orm import Session
 from tril.analysis.outcome import RunSnapshot
 from tril.demonstrators import SCRIPTED, example_plans, kind_named
 from tril.errors import Conflict, Invalid, NotFound
+from tril.games import game_of
 from tril.ranking import best_ranked
-from tril.recipes import MAX_DAGGER_STEPS, Recipe, recipe_from_dict
+from tril.recipes import MAX_DAGGER_STEPS, Recipe, recipe_from_dict, recipe_named
 from tril.store import audit, behaviours, processes, rankings, recordings
 from tril.store.changes import note_change
 from tril.store.database import database_now
@@ -71,6 +72,12 @@ def create(
     behaviour = behaviours.get(session, behaviour_id)
     if steps is None:
         steps = recipe.proposed_steps(ordered=behaviour.ordered)
+    if recipe.needs_pretrained and not game_of(behaviours.as_behaviour(behaviour)).pretrained:
+        recipe_named(recipe.name, pretrained=False)
+        raise Invalid(
+            "The recipe needs networks that have learned to read the game's screens, which this"
+            " game does not have: set reward.method=paper and cloning.pretrained=false."
+        )
     if steps < 1:
         raise Invalid(f"Expected at least one step, got {steps}.")
     if recipe.method == "dagger":
