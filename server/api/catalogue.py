@@ -29,11 +29,13 @@ _IMMUTABLE = "private, max-age=31536000, immutable"
 def list_catalogue(session: ReadSession) -> list[Title]:
     """Return the games that can be taught: those played last first, then in order of titles."""
     behaviours = select(BehaviourRow.game, func.count()).where(BehaviourRow.deleted_at.is_(None))
-    n_behaviours = dict(session.execute(behaviours.group_by(BehaviourRow.game)).tuples().all())
+    n_behaviours = {
+        row[0]: row[1] for row in session.execute(behaviours.group_by(BehaviourRow.game))
+    }
     played = select(RecordingRow.game, func.max(RecordingRow.created_at)).where(
         RecordingRow.source == Source.PERSON
     )
-    last_played = dict(session.execute(played.group_by(RecordingRow.game)).tuples().all())
+    last_played = {row[0]: row[1] for row in session.execute(played.group_by(RecordingRow.game))}
     titles = [
         Title(
             name=name,

@@ -162,6 +162,7 @@ def _playing(behaviour_id: int, begun: Recording, player_id: int | None) -> Reco
         state=RecordingState.PLAYING,
         game=begun.game.name,
         game_version=begun.version,
+        max_steps=begun.game.settings.max_steps,
         start=begun.start.to_json(),
         end_rule=begun.end_rule,
     )
