@@ -501,6 +501,66 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/catalogue": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Catalogue
+         * @description Return the games that can be taught: those played last first, then in order of titles.
+         */
+        get: operations["list_catalogue"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/catalogue/games/{name}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Title
+         * @description Return a game: its screen, time, buttons, ends and what else the page needs.
+         */
+        get: operations["get_title"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/catalogue/pictures/{name}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Title Picture
+         * @description Return a picture of a game, some seconds after its start.
+         */
+        get: operations["get_title_picture"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/events": {
         parameters: {
             query?: never;
@@ -1830,6 +1890,24 @@ export interface components {
             role: "researcher" | "participant";
         };
         /**
+         * Items
+         * @description The countable things of a game: cells of a grid, with row 0 at the bottom.
+         */
+        Items: {
+            /** Columns */
+            columns: number;
+            /** Plural */
+            plural: string;
+            /** Row Colours */
+            row_colours: string[];
+            /** Rows */
+            rows: number;
+            /** Singular */
+            singular: string;
+            /** Verb */
+            verb: string;
+        };
+        /**
          * JudgedGame
          * @description A game's true quantity (targets hit less strays), and what R makes of it by the measure.
          */
@@ -2034,6 +2112,28 @@ export interface components {
                     ][];
                 };
             };
+        };
+        /**
+         * NamedEnd
+         * @description A way in which a game ends. ``kind`` is death, failed, won or time.
+         */
+        NamedEnd: {
+            /** Kind */
+            kind: string;
+            /** Name */
+            name: string;
+            /** Sentence */
+            sentence: string;
+        };
+        /**
+         * NamedRule
+         * @description When a loss ends a game.
+         */
+        NamedRule: {
+            /** Name */
+            name: string;
+            /** Title */
+            title: string;
         };
         /**
          * NewInvitation
@@ -2882,6 +2982,95 @@ export interface components {
             storage: components["schemas"]["Storage"];
             /** Version */
             version: string;
+        };
+        /**
+         * TaughtGame
+         * @description All that the page needs of a game.
+         *
+         *     ``held`` are the buttons of each action, as bits in the order of ``buttons``. ``default_keys``
+         *     are buttons by ``KeyboardEvent.code``. ``hidden`` are areas that learning does not see: left,
+         *     top, right, bottom. ``options`` are values of the start by name, the first the default. What a
+         *     game lacks is null or false.
+         */
+        TaughtGame: {
+            /** Actions */
+            actions: string[];
+            /** Attribution */
+            attribution: string;
+            /** Buttons */
+            buttons: string[];
+            /** Counters */
+            counters: {
+                [key: string]: string;
+            };
+            /** Default Keys */
+            default_keys: {
+                [key: string]: string;
+            };
+            /** End Rules */
+            end_rules: components["schemas"]["NamedRule"][];
+            /** Ends */
+            ends: components["schemas"]["NamedEnd"][];
+            /** Frame Rate Hz */
+            frame_rate_hz: number;
+            /** Frames Per Step */
+            frames_per_step: number;
+            /** Has Memory */
+            has_memory: boolean;
+            /** Has Player */
+            has_player: boolean;
+            /** Height */
+            height: number;
+            /** Held */
+            held: number[];
+            /** Hidden */
+            hidden: [
+                number,
+                number,
+                number,
+                number
+            ][];
+            items: components["schemas"]["Items"] | null;
+            /** Longest Steps */
+            longest_steps: number;
+            /** Max Steps */
+            max_steps: number;
+            /** Name */
+            name: string;
+            /** Options */
+            options: {
+                [key: string]: number[];
+            };
+            /** Picture Url */
+            picture_url: string;
+            /** Pixel Aspect */
+            pixel_aspect: number;
+            /** Saves States */
+            saves_states: boolean;
+            /** Title */
+            title: string;
+            /** Waits */
+            waits: boolean;
+            /** Width */
+            width: number;
+        };
+        /**
+         * Title
+         * @description A game in brief. ``last_played_at`` is null for those that nobody here has played.
+         *
+         *     ``picture_url`` carries a version, so that it may be cached for ever.
+         */
+        Title: {
+            /** Last Played At */
+            last_played_at: string | null;
+            /** N Behaviours */
+            n_behaviours: number;
+            /** Name */
+            name: string;
+            /** Picture Url */
+            picture_url: string;
+            /** Title */
+            title: string;
         };
         /**
          * TrainingGames
@@ -5478,6 +5667,250 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_catalogue: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Title"][];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_title: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TaughtGame"];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_title_picture: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/png": unknown;
+                };
             };
             /** @description The request can't be read. */
             400: {
