@@ -36,7 +36,7 @@ export function checklistQuery(behaviourId: number) {
   });
 }
 
-/** The cannon's position in every frame of the best demonstration; null if there is none. */
+/** The player's position in every frame of the best demonstration; null if there is none. */
 export function ghostQuery(behaviourId: number) {
   return queryOptions({
     // Changes only with the ranking and the perfect marks, which invalidate the behaviour's key.

@@ -32,7 +32,8 @@ export type PolicyGamesSummary = Schemas["PolicyGamesSummary"];
 export type PolicySummary = Schemas["PolicySummary"];
 export type Ranking = Schemas["Ranking"];
 export type RankingCheck = Schemas["RankingCheck"];
-export type WantedAliens = Schemas["WantedAliens"];
+/** What a reward model infers to be wanted: a label for each item of the grid. */
+export type WantedItems = NonNullable<Schemas["RankingCheck"]["wanted"]>;
 export type RankingOpinion = Schemas["RankingOpinion"];
 export type Recipe = Schemas["Recipe"];
 export type Recording = Schemas["Recording"];
@@ -71,4 +72,6 @@ export type RunNew = Schemas["RunNew"];
 export type RunResults = Schemas["RunResults"];
 export type RunUpdate = Schemas["RunUpdate"];
 export type System = Schemas["System"];
+export type TaughtGame = Schemas["TaughtGame"];
+export type Title = Schemas["Title"];
 export type Verdict = Schemas["Verdict"];

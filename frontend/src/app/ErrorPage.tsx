@@ -3,8 +3,8 @@ import { useRouteError } from "react-router";
 
 import { messageOf } from "@/api/client";
 import { Button } from "@/components/controls/Button";
-import { Alien } from "@/components/game/AlienGrid";
 
+import { Logo } from "./Logo";
 import styles from "./pages.module.css";
 
 /** Shown when rendering throws. */
@@ -12,7 +12,7 @@ export function ErrorPage() {
   const error = useRouteError();
   return (
     <main className={styles.lone} role="alert">
-      <Alien row={5} scale={5} />
+      <Logo scale={5} />
       <h1>
         <Trans>This page crashed</Trans>
       </h1>

@@ -3,15 +3,15 @@ import { Trans } from "@lingui/react/macro";
 
 import { Button } from "@/components/controls/Button";
 import { Field } from "@/components/controls/Field";
-import { Alien } from "@/components/game/AlienGrid";
 
+import { Logo } from "./Logo";
 import styles from "./pages.module.css";
 
 /** Shown when this browser has no valid cookie. */
 export function Unauthorised() {
   return (
     <main className={styles.lone}>
-      <Alien row={2} scale={5} />
+      <Logo scale={5} />
       <h1>
         <Trans>This browser isn&rsquo;t signed in yet</Trans>
       </h1>

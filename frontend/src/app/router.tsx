@@ -39,6 +39,12 @@ const RunPage = lazy(async () => ({ default: (await importRunPage()).RunPage }))
 const PeoplePage = lazy(async () => ({
   default: (await import("@/features/people/PeoplePage")).PeoplePage,
 }));
+const GamesPage = lazy(async () => ({
+  default: (await import("@/features/behaviours/games/GamesPage")).GamesPage,
+}));
+const GamePage = lazy(async () => ({
+  default: (await import("@/features/behaviours/games/GamePage")).GamePage,
+}));
 const WatchPage = lazy(async () => ({
   default: (await import("@/features/play/watch/WatchPage")).WatchPage,
 }));
@@ -106,6 +112,12 @@ function RecordingRoute() {
   );
 }
 
+/** All games, or the one that the rest of the address names. */
+function GamesRoute() {
+  const name = useParams()["*"] ?? "";
+  return name === "" ? <GamesPage /> : <GamePage key={name} name={name} />;
+}
+
 export const routes = [
   {
     path: "/",
@@ -140,6 +152,14 @@ export const routes = [
         element: (
           <Lazy>
             <PeoplePage />
+          </Lazy>
+        ),
+      },
+      {
+        path: "games/*",
+        element: (
+          <Lazy>
+            <GamesRoute />
           </Lazy>
         ),
       },

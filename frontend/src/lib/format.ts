@@ -4,10 +4,6 @@ import { plural, selectOrdinal, t } from "@lingui/core/macro";
 
 import { i18n } from "./i18n";
 
-export const FRAME_RATE_HZ = 60;
-export const FRAMES_PER_STEP = 4;
-export const MAX_STEPS = 300;
-
 /** Stands between a number and its unit, which a line break would part. */
 const NO_BREAK_SPACE = "\u00a0";
 

@@ -9,9 +9,10 @@ import { PlayerMenu } from "@/app/layout/PlayerMenu";
 import { Localised } from "@/app/Localised";
 import { bytes, fixed, moment, ordinal, percent, whole } from "@/lib/format";
 import { i18n } from "@/lib/i18n";
-import { describeScore } from "@/lib/recordings";
+import { describeScore } from "@/games/outcomes";
 
 import { recording } from "../support/data";
+import { SPACE_INVADERS } from "../support/games";
 import { show } from "../support/page";
 import { serve } from "../support/server";
 
@@ -107,7 +108,8 @@ describe("a text", () => {
   });
 
   it("has the plural of its own language", async () => {
-    const score = (n: number) => describeScore({ ...recording(), targets: 3, strays: n }, 6);
+    const score = (n: number) =>
+      describeScore({ ...recording(), targets: 3, strays: n }, 6, SPACE_INVADERS);
     expect([score(0), score(1), score(2)]).toEqual([
       "3 of 6 targets, no strays",
       "3 of 6 targets, 1 stray",
@@ -124,6 +126,7 @@ describe("a text", () => {
       describeScore(
         { ...recording(), targets: null, hits: Array.from({ length: n }, () => one) },
         null,
+        SPACE_INVADERS,
       );
     expect(hit(1)).toBe("1 Alien getroffen");
     expect(hit(2)).toBe("2 Aliens getroffen");

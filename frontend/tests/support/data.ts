@@ -16,6 +16,8 @@ export function behaviour(change: Partial<Behaviour> = {}): Behaviour {
     slug: "column-1",
     name: "Column 1",
     description: "Shoot the leftmost column.",
+    game: "space_invaders",
+    settings: { options: {} },
     target: [
       [0, 0],
       [1, 0],

@@ -1,7 +1,7 @@
 /** Generates the file of a recording's frames. */
 import { zlibSync } from "fflate";
 
-import { SCREEN_BYTES } from "@/lib/game/codec";
+const SCREEN_BYTES = 160 * 210;
 
 /** A file of so many frames after the start's screen; each shows the number of its frame. */
 export function framesFile(nFrames: number): ArrayBuffer {

@@ -3,16 +3,29 @@ import { render } from "@testing-library/react";
 import type { ReactNode } from "react";
 import { createMemoryRouter, RouterProvider } from "react-router";
 
+import type { TaughtGame } from "@/api/types";
 import { createQueryClient } from "@/app/query-client";
 import { ToastProvider } from "@/components/feedback/Toasts";
+import { GameProvider } from "@/games/game";
 
-/** Renders an element as the application would, at an address. */
-export function show(element: ReactNode, path = "/") {
+import { SPACE_INVADERS } from "./games";
+
+const NO_SETTINGS = { options: {} };
+
+/** Renders an element as the application would, at an address, on a page of a game. */
+export function show(element: ReactNode, path = "/", game: TaughtGame = SPACE_INVADERS) {
   const client = createQueryClient();
   client.setDefaultOptions({ queries: { retry: false } });
   const router = createMemoryRouter(
     [
-      { path: "/", element },
+      {
+        path: "/",
+        element: (
+          <GameProvider game={game} settings={NO_SETTINGS}>
+            {element}
+          </GameProvider>
+        ),
+      },
       { path: "*", element: <p>Another page</p> },
     ],
     { initialEntries: [path] },

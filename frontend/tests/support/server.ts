@@ -1,6 +1,8 @@
 /** A fake server: answers fetches by method and path, and records the requests. */
 import { vi } from "vitest";
 
+import { gameRoutes } from "./games";
+
 export interface Asked {
   readonly method: string;
   readonly path: string;
@@ -28,6 +30,8 @@ type Answer = (asked: Asked) => unknown;
  * @param answers By "METHOD /path"; a `Refusal` becomes an error, `undefined` an empty 204.
  */
 export function serve(answers: Readonly<Record<string, Answer>>): Asked[] {
+  // Every page asks for its game.
+  const known: Readonly<Record<string, Answer>> = { ...gameRoutes(), ...answers };
   const all: Asked[] = [];
   vi.stubGlobal("fetch", async (input: Request | string, init?: RequestInit) => {
     const request =
@@ -43,7 +47,7 @@ export function serve(answers: Readonly<Record<string, Answer>>): Asked[] {
       signal: request.signal,
     };
     all.push(asked);
-    const answer = answers[`${asked.method} ${asked.path}`];
+    const answer = known[`${asked.method} ${asked.path}`];
     if (!answer) return json(404, { detail: `Nothing at ${asked.method} ${asked.path}.` });
     const given = await answer(asked);
     if (given instanceof Refusal) return json(given.status, given.body);

@@ -1,10 +1,12 @@
 /** The server's end of a page that watches, controlled by the test. */
 import { zlibSync } from "fflate";
 
-import { SCREEN_BYTES } from "@/lib/game/codec";
+const SCREEN_BYTES = 160 * 210;
 
 export const WATCH_HELLO = {
   type: "hello",
+  width: 160,
+  height: 210,
   palette: [],
   max_frames: 1200,
   frame: 96,

@@ -8,7 +8,7 @@ from tril.errors import Invalid
 from tril.games.atari.catalogue import Entry, entries, rom_md5, rom_path
 from tril.games.atari.console import AtariConsole, Intro
 from tril.games.atari.joystick import joystick
-from tril.games.atari.palette import palette_grayscale, palette_rgb
+from tril.games.atari.palette import PIXEL_ASPECT, palette_grayscale, palette_rgb
 from tril.games.atari.readout import ENDS, LIFE, OVER, AtariReadout
 from tril.games.atari.starts import AtariStarts, Legs
 from tril.games.base import Clock, Game, GameFamily, Rectangle, ScreenSpec, StartCache
@@ -62,6 +62,7 @@ def _game(entry: Entry) -> Game:
             palette=palette_rgb(entry.pal),
             grayscale=palette_grayscale(entry.pal),
             hidden=tuple(Rectangle(*area) for area in entry.hidden),
+            pixel_aspect=PIXEL_ASPECT,
         ),
         ends=ENDS,
         end_rules=(LIFE, OVER) if entry.lives else (OVER,),

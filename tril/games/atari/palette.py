@@ -5,6 +5,9 @@ from functools import cache
 import numpy as np
 import numpy.typing as npt
 
+PIXEL_ASPECT = 12 / 7
+"""Width of the console's pixels by their height, on an NTSC television."""
+
 # NTSC colours as hexadecimal RGB: one line per hue, eight luminances each.
 _NTSC_COLOURS = """
 000000 4a4a4a 6f6f6f 8e8e8e aaaaaa c0c0c0 d6d6d6 ececec

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from tril.games.atari.console import AtariConsole, Intro
-from tril.games.atari.palette import palette_grayscale, palette_rgb
+from tril.games.atari.palette import PIXEL_ASPECT, palette_grayscale, palette_rgb
 from tril.games.atari.starts import AtariStarts, Legs
 from tril.games.base import (
     Clock,
@@ -68,7 +68,7 @@ SPACE_INVADERS = Game(
         grayscale=palette_grayscale(),
         hidden=(Rectangle(0, 0, facts.SCREEN_SHAPE[1], facts.SCORE_PX),),
         background=facts.BACKGROUND,
-        pixel_aspect=1.0,
+        pixel_aspect=PIXEL_ASPECT,
     ),
     ends=ENDS,
     end_rules=END_RULES,

@@ -2,7 +2,10 @@
 import { t } from "@lingui/core/macro";
 import { matchPath } from "react-router";
 
+import type { TaughtGame } from "@/api/types";
+import { DIRECTIONS } from "@/features/play/input/directions";
 import { type Control, type KeyMap, keyName } from "@/features/play/input/keys";
+import { buttonName } from "@/games/actions";
 
 interface KeyRow {
   /** Each can be pressed. */
@@ -83,10 +86,16 @@ const charts = (): KeySection => ({
 
 type NameOf = (code: string) => string;
 
+/** The game of the page, and the keys that the player has assigned to its controls. */
+interface Played {
+  readonly game: TaughtGame;
+  readonly keys: KeyMap;
+}
+
 /** The pages with keys of their own, by their routes. */
 const PAGES: readonly (readonly [
   pattern: string,
-  sections: (keys: KeyMap, nameOf: NameOf) => readonly KeySection[],
+  sections: (played: Played | null, nameOf: NameOf) => readonly KeySection[],
 ])[] = [
   ["/behaviours/:id/play", playing],
   ["/behaviours/:id/rank", () => [rank(), compare(), player()]],
@@ -100,46 +109,55 @@ const PAGES: readonly (readonly [
 /**
  * Returns the keys of the page at a path, and those of every page.
  *
- * @param keys The keys that the player has assigned to the game's controls.
+ * @param played The game that is played on the page, if any.
  * @param nameOf Names a key by its code.
  */
 export function keySections(
   path: string,
-  keys: KeyMap,
+  played: Played | null,
   nameOf: NameOf = keyName,
 ): readonly KeySection[] {
   const page = PAGES.find(([pattern]) => matchPath(pattern, path));
-  return [...(page?.[1](keys, nameOf) ?? []), everywhere()];
+  return [...(page?.[1](played, nameOf) ?? []), everywhere()];
 }
 
-function playing(keys: KeyMap, nameOf: NameOf): readonly KeySection[] {
-  const of = (...controls: readonly Control[]) =>
-    controls.flatMap((control) => keys[control].map((code) => nameOf(code)));
-  return [
-    {
-      title: t`Playing`,
-      rows: [
-        row(t`move`, ...of("left", "right")),
-        row(t`fire, may be held; begins the first game`, ...of("fire")),
-        row(t`rewind while held`, ...of("rewind")),
-        row(t`pause`, ...of("pause")),
-        row(t`frame by frame`, "."),
-        row(t`slower, faster`, "−", "+"),
-        row(t`show the targets`, "T"),
-        row(t`show the best demonstration's cannon`, "G"),
-        row(t`show the latency`, "L"),
-        row(t`sound`, "M"),
-        row(t`fullscreen`, "F"),
-      ],
-    },
-    {
-      title: t`After a game`,
-      rows: [
-        row(t`keep it`, "K", t`Enter`),
-        row(t`keep it as perfect`, "P"),
-        row(t`discard it`, "X"),
-        row(t`play again`, "R", t`Space`),
-      ],
-    },
-  ];
+function playing(played: Played | null, nameOf: NameOf): readonly KeySection[] {
+  return [...(played ? [whilePlaying(played, nameOf)] : []), afterGame()];
 }
+
+function whilePlaying({ game, keys }: Played, nameOf: NameOf): KeySection {
+  const of = (...controls: readonly Control[]) =>
+    controls.flatMap((control) => (keys[control] ?? []).map((code) => nameOf(code)));
+  const directions = DIRECTIONS.filter((one) => game.buttons.includes(one));
+  const others = game.buttons.filter((one) => !directions.some((direction) => direction === one));
+  return {
+    title: t`Playing`,
+    rows: [
+      ...(directions.length > 0 ? [row(t`move`, ...of(...directions))] : []),
+      ...others.map((button) =>
+        button === "fire"
+          ? row(t`fire, may be held; begins the first game`, ...of(button))
+          : row(buttonName(button), ...of(button)),
+      ),
+      ...(game.saves_states ? [row(t`rewind while held`, ...of("rewind"))] : []),
+      row(t`pause`, ...of("pause")),
+      row(t`frame by frame`, "."),
+      row(t`slower, faster`, "−", "+"),
+      row(t`show the targets`, "T"),
+      row(t`show the best demonstration`, "G"),
+      row(t`show the latency`, "L"),
+      row(t`sound`, "M"),
+      row(t`fullscreen`, "F"),
+    ],
+  };
+}
+
+const afterGame = (): KeySection => ({
+  title: t`After a game`,
+  rows: [
+    row(t`keep it`, "K", t`Enter`),
+    row(t`keep it as perfect`, "P"),
+    row(t`discard it`, "X"),
+    row(t`play again`, "R", t`Space`),
+  ],
+});

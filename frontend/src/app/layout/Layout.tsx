@@ -10,8 +10,8 @@ import { Invalidator } from "@/app/changes/invalidation";
 import { Help } from "@/app/help/Help";
 import { useActiveRuns } from "@/app/runs/use-active-runs";
 import { Unauthorised } from "@/app/Unauthorised";
+import { Logo } from "@/app/Logo";
 import { Button, IconButton } from "@/components/controls/Button";
-import { Alien } from "@/components/game/AlienGrid";
 import { TitleContext } from "@/components/PageTitle";
 import { followLayout } from "@/lib/browser/keyboard";
 
@@ -41,11 +41,14 @@ function Frame({ reachable }: { reachable: boolean }) {
         {!reachable && <UnreachableBanner />}
         <div className={styles.bar}>
           <Link to="/" className={styles.brand}>
-            <Alien row={2} scale={2} />
+            <Logo scale={2} />
             Tril
           </Link>
           <NavLink to="/" end className={styles.nav ?? ""}>
             <Trans>Behaviours</Trans>
+          </NavLink>
+          <NavLink to="/games" className={styles.nav ?? ""}>
+            <Trans>Games</Trans>
           </NavLink>
           <div className={styles.right}>
             <StatusMenu />

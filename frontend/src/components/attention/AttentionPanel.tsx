@@ -1,6 +1,7 @@
 import { t } from "@lingui/core/macro";
 
 import { Button } from "@/components/controls/Button";
+import { useGame } from "@/games/game";
 
 import styles from "./Attention.module.css";
 import { ColourBar, OpacitySlider } from "./AttentionKey";
@@ -16,6 +17,7 @@ interface AttentionPanelProps {
 
 /** The switch of the attention map, whose it is and how it is made, its colour bar and opacity. */
 export function AttentionPanel({ attention, opacity, onOpacity }: AttentionPanelProps) {
+  const game = useGame();
   return (
     <div className={styles.panel}>
       <Button icon="eye" aria-pressed={attention.on} onClick={attention.toggle}>
@@ -38,7 +40,7 @@ export function AttentionPanel({ attention, opacity, onOpacity }: AttentionPanel
           <ColourBar most={describeMost(attention)} />
           <OpacitySlider opacity={opacity} onOpacity={onOpacity} />
           <p className={styles.state} role="status">
-            {describe(attention)}
+            {describe(attention, game)}
           </p>
         </>
       )}

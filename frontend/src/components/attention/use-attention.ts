@@ -7,6 +7,7 @@ import {
   type AttentionNetwork,
   attentionQuery,
 } from "@/api/runs";
+import { useGame } from "@/games/game";
 import type { Playback } from "@/lib/game/playback";
 import { stepOf } from "@/lib/recordings";
 import { useSettled } from "@/lib/use-settled";
@@ -48,12 +49,13 @@ interface Judged {
  * maps follow it one after the other.
  */
 export function useAttention(judged: Judged | undefined, playback: Playback): Attention {
+  const game = useGame();
   const [on, setOn] = useState(false);
   const [network, setNetwork] = useState<AttentionNetwork>("reward");
   const [method, setMethod] = useState<AttentionMethod>("occlusion");
   const step = useSyncExternalStore(playback.subscribe, () => {
     const { playing, frame } = playback.snapshot();
-    return playing ? null : stepOf(frame);
+    return playing ? null : stepOf(frame, game);
   });
   const settled = useSettled(step, SETTLED_MS);
   const wanted = on && step !== null && step === settled && judged !== undefined;
@@ -98,6 +100,7 @@ function useFollowed(
   network: AttentionNetwork,
   playback: Playback,
 ): Followed {
+  const game = useGame();
   const queries = useQueryClient();
   const [followed, setFollowed] = useState(NOTHING);
   const { runId, recordingId } = judged ?? { runId: "", recordingId: 0 };
@@ -107,7 +110,7 @@ function useFollowed(
     let timer: ReturnType<typeof setTimeout> | undefined;
     let over = false;
     const next = async () => {
-      const step = stepOf(playback.snapshot().frame);
+      const step = stepOf(playback.snapshot().frame, game);
       const query = attentionQuery(runId, recordingId, step, network, "gradient");
       let rest = REST_MS;
       try {

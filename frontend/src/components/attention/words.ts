@@ -3,8 +3,9 @@ import { t } from "@lingui/core/macro";
 
 import { messageOf } from "@/api/client";
 import type { AttentionMethod, AttentionNetwork } from "@/api/runs";
+import type { TaughtGame } from "@/api/types";
 import { measured } from "@/lib/format";
-import { actionName } from "@/lib/game/actions";
+import { actionName } from "@/games/actions";
 
 import type { Attention } from "./use-attention";
 
@@ -42,14 +43,14 @@ export function mapLabel({ network, step: shown }: Attention): string {
 }
 
 /** Describes the state that is shown, and how its map was made. */
-export function describe(attention: Attention): string {
+export function describe(attention: Attention, game: TaughtGame): string {
   const { playing, step, network, map, error } = attention;
   if (error) return t`The map can’t be shown: ${messageOf(error)}`;
   // The same while it plays, since a screen reader says what changes.
   if (playing) return whilePlaying(attention);
   if (step === null) return "";
   if (!map || attention.shown === null) return t`Looking at step ${step}…`;
-  const chosen = network === "reward" || map.action === null ? null : actionName(map.action);
+  const chosen = network === "reward" || map.action === null ? null : actionName(map.action, game);
   if (chosen === null) return made(attention, step, "R");
   const explained = made(attention, step, t`the logit of “${chosen}”`);
   const choice =

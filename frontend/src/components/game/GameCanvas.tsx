@@ -24,9 +24,11 @@ export function GameCanvas({ size, label, onPainter, ...rest }: GameCanvasProps)
       className={styles.canvas}
       role="img"
       aria-label={label}
-      width={160}
-      height={210}
-      style={{ width: size.width, height: size.height }}
+      style={{
+        width: size.width,
+        height: size.height,
+        ...(size.reduced && { imageRendering: "auto" }),
+      }}
       {...rest}
     />
   );

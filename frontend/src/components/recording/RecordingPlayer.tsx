@@ -18,8 +18,9 @@ import { useAttention } from "@/components/attention/use-attention";
 import { mapLabel } from "@/components/attention/words";
 import { IconButton } from "@/components/controls/Button";
 import { GameCanvas } from "@/components/game/GameCanvas";
+import { useGame } from "@/games/game";
 import { classes } from "@/lib/classes";
-import { FRAME_RATE_HZ, FRAMES_PER_STEP, seconds } from "@/lib/format";
+import { seconds } from "@/lib/format";
 import type { RecordedFrames } from "@/lib/game/codec";
 import { Playback } from "@/lib/game/playback";
 import type { ScreenPainter } from "@/lib/game/screen";
@@ -47,10 +48,11 @@ interface RecordingPlayerProps {
 
 /** Plays a recording back with a scrubber, speeds and single frames, by mouse and keyboard. */
 export function RecordingPlayer(props: RecordingPlayerProps) {
+  const game = useGame();
   const { frames, hits, reward, startFrame, screenHeight, children } = props;
   const playback = useMemo(() => new Playback(frames.last, frames.header.frame_rate_hz), [frames]);
   const stage = useRef<HTMLDivElement>(null);
-  const size = useFittingScreenSize(stage, screenHeight);
+  const size = useFittingScreenSize(stage, screenHeight, game);
   const [painter, setPainter] = useState<ScreenPainter | null>(null);
   const player = useRef<HTMLDivElement>(null);
   const attention = useAttention(reward, playback);
@@ -62,7 +64,7 @@ export function RecordingPlayer(props: RecordingPlayerProps) {
 
   useEffect(() => {
     if (!painter) return undefined;
-    painter.setPalette(frames.header.palette);
+    painter.setFormat(frames.header);
     const draw = () => painter.draw(frames.show(playback.snapshot().frame));
     const unsubscribe = playback.subscribe(draw);
     if (startFrame === undefined) playback.play();
@@ -84,7 +86,7 @@ export function RecordingPlayer(props: RecordingPlayerProps) {
       tabIndex={-1}
       onKeyDown={(event) => {
         setKeyed(true);
-        onKey(event, playback, frames.last);
+        onKey(event, playback, frames.last, game.frames_per_step);
       }}
     >
       <div className={styles.stage} ref={stage}>
@@ -108,6 +110,7 @@ export function RecordingPlayer(props: RecordingPlayerProps) {
 }
 
 function Controls({ playback, last }: { playback: Playback; last: number }) {
+  const game = useGame();
   const { frame, playing } = useSyncExternalStore(playback.subscribe, playback.snapshot);
   return (
     <>
@@ -123,8 +126,8 @@ function Controls({ playback, last }: { playback: Playback; last: number }) {
         <SpeedChoice playback={playback} />
         <span className={styles.time}>
           <Trans>
-            {seconds(frame / FRAME_RATE_HZ, 2)} of {seconds(last / FRAME_RATE_HZ, 2)} · step{" "}
-            {stepOf(frame)} · frame {frame}
+            {seconds(frame / game.frame_rate_hz, 2)} of {seconds(last / game.frame_rate_hz, 2)} ·
+            step {stepOf(frame, game)} · frame {frame}
           </Trans>
         </span>
       </div>
@@ -154,11 +157,11 @@ function Controls({ playback, last }: { playback: Playback; last: number }) {
   );
 }
 
-function onKey(event: KeyboardEvent, playback: Playback, last: number): void {
+function onKey(event: KeyboardEvent, playback: Playback, last: number, step: number): void {
   if (event.ctrlKey || event.metaKey || event.altKey) return;
   const target = event.target as HTMLElement;
   if (target.tagName === "SELECT") return;
-  const leap = event.shiftKey ? FRAMES_PER_STEP : 1;
+  const leap = event.shiftKey ? step : 1;
   const actions: Readonly<Record<string, () => void>> = {
     ArrowLeft: () => playback.step(-leap),
     ArrowRight: () => playback.step(leap),

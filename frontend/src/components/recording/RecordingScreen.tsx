@@ -5,6 +5,7 @@ import { useEffect, useRef, useState } from "react";
 import { framesQuery } from "@/api/recordings";
 import type { Recording } from "@/api/types";
 import { GameCanvas } from "@/components/game/GameCanvas";
+import { useGame } from "@/games/game";
 import type { RecordedFrames } from "@/lib/game/codec";
 import { Playback } from "@/lib/game/playback";
 import type { ScreenPainter } from "@/lib/game/screen";
@@ -23,7 +24,7 @@ interface RecordingScreenProps {
 
 /** The thumbnail of a recording, or the recording playing in a loop. */
 export function RecordingScreen({ recording, playing, width, height }: RecordingScreenProps) {
-  const size = useScreenSize(width, height);
+  const size = useScreenSize(width, height, useGame());
   const { data: frames } = useQuery({ ...framesQuery(recording), enabled: playing });
   return (
     <div className={styles.screen} style={{ width, height }}>
@@ -32,7 +33,11 @@ export function RecordingScreen({ recording, playing, width, height }: Recording
         src={recording.thumbnail_url}
         alt=""
         loading="lazy"
-        style={{ width: size.width, height: size.height }}
+        style={{
+          width: size.width,
+          height: size.height,
+          ...(size.reduced && { imageRendering: "auto" }),
+        }}
       />
       {playing && frames && (
         <div className={styles.stacked}>
@@ -49,7 +54,7 @@ function Loop({ frames, size }: { frames: RecordedFrames; size: ScreenSize }) {
     if (!painter) return undefined;
     const { header } = frames;
     const playback = new Playback(frames.last, header.frame_rate_hz, { loop: true });
-    painter.setPalette(header.palette);
+    painter.setFormat(header);
     playback.subscribe(() => painter.draw(frames.show(playback.snapshot().frame)));
     playback.play();
     return () => playback.dispose();

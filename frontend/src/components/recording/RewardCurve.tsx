@@ -5,11 +5,13 @@ import { memo, type PointerEvent, type ReactNode, useSyncExternalStore } from "r
 
 import { messageOf } from "@/api/client";
 import { rewardTraceQuery } from "@/api/runs";
-import type { Recording, RewardTrace } from "@/api/types";
+import type { Recording, RewardTrace, TaughtGame } from "@/api/types";
 import { Loading, Notice } from "@/components/feedback/States";
+import { useGame } from "@/games/game";
 import { classes } from "@/lib/classes";
-import { fixed, FRAMES_PER_STEP, measured, withDeviation } from "@/lib/format";
+import { fixed, measured, withDeviation } from "@/lib/format";
 import type { Playback } from "@/lib/game/playback";
+import { stepOf } from "@/lib/recordings";
 
 import { Legend } from "./Legend";
 import styles from "./RewardCurve.module.css";
@@ -68,10 +70,11 @@ interface CurveProps {
 }
 
 function Curve({ trace, playback, last, hits }: CurveProps) {
+  const game = useGame();
   const { levels, rewards } = trace;
   const levelDeviations = trace.level_deviations;
   const { frame } = useSyncExternalStore(playback.subscribe, playback.snapshot);
-  const step = stepAt(frame, levels.length);
+  const step = stepAt(frame, levels.length, game);
   const level = levels[step] ?? NaN;
   const seek = (event: PointerEvent<HTMLDivElement>) => {
     const box = event.currentTarget.getBoundingClientRect();
@@ -136,9 +139,10 @@ interface CurveLinesProps extends Pick<CurveProps, "last" | "hits"> {
 }
 
 const CurveLines = memo(function CurveLines({ levels, deviations, last, hits }: CurveLinesProps) {
+  const game = useGame();
   const y = scaleOf(levels, deviations);
   const at = (level: number, step: number) =>
-    `${Math.min(step * FRAMES_PER_STEP, last)} ${y(level).toFixed(2)}`;
+    `${Math.min(step * game.frames_per_step, last)} ${y(level).toFixed(2)}`;
   const points = levels.map(at);
   const band = deviations && [
     ...levels.map((level, step) => at(level + (deviations[step] ?? 0), step)),
@@ -168,14 +172,14 @@ const CurveLines = memo(function CurveLines({ levels, deviations, last, hits }: 
           <svg
             key={`${hit.frame}-${hit.row}-${hit.column}`}
             x={percentOf(hit.frame, last)}
-            y={y(levels[stepAt(hit.frame, levels.length)] ?? 0)}
+            y={y(levels[stepAt(hit.frame, levels.length, game)] ?? 0)}
             overflow="visible"
           >
             <path
               className={classes(styles.hit, hit.on_target === false && styles.stray)}
               d={hit.on_target === false ? CROSS : RING}
             >
-              <title>{describeHit(hit)}</title>
+              <title>{describeHit(hit, game)}</title>
             </path>
           </svg>
         ))}
@@ -201,8 +205,8 @@ function scaleOf(
 }
 
 /** Returns the step whose state a frame shows or follows. */
-function stepAt(frame: number, nLevels: number): number {
-  return Math.min(Math.floor(frame / FRAMES_PER_STEP), nLevels - 1);
+function stepAt(frame: number, nLevels: number, game: TaughtGame): number {
+  return Math.min(stepOf(frame, game), nLevels - 1);
 }
 
 function percentOf(frame: number, last: number): string {

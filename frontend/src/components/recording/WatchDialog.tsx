@@ -8,14 +8,16 @@ import { framesQuery } from "@/api/recordings";
 import type { Recording } from "@/api/types";
 import { Dialog } from "@/components/controls/Dialog";
 import { Failed, Loading } from "@/components/feedback/States";
-import { describeCourse, recordingName, describeScore } from "@/lib/recordings";
+import { useGame } from "@/games/game";
+import { describeCourse, describeScore } from "@/games/outcomes";
+import { recordingName } from "@/lib/recordings";
 
 import { RecordingPlayer } from "./RecordingPlayer";
 import styles from "./WatchDialog.module.css";
 
 interface WatchDialogProps {
   recording: Recording;
-  /** Number of target aliens; null without a target. */
+  /** Number of targets; null without a target. */
   nTargets: number | null;
   title?: ReactNode;
   /** The run whose R is plotted over time. */
@@ -29,6 +31,7 @@ interface WatchDialogProps {
 
 /** Plays a recording back in a dialog. */
 export function WatchDialog(props: WatchDialogProps) {
+  const game = useGame();
   const { recording, nTargets, title, runId, startFrame, actions, onClose } = props;
   const frames = useQuery(framesQuery(recording));
   return (
@@ -52,8 +55,8 @@ export function WatchDialog(props: WatchDialogProps) {
           <Loading what={t`the recording`} rows={1} height="20rem" />
         )}
         <p className={styles.facts}>
-          <span>{describeScore(recording, nTargets)}</span>
-          <span>{describeCourse(recording)}</span>
+          <span>{describeScore(recording, nTargets, game)}</span>
+          <span>{describeCourse(recording, game)}</span>
           <Link to={`/recordings/${recording.id}`}>
             <Trans>Details: actions, memory, downloads</Trans>
           </Link>

@@ -5,26 +5,28 @@ import { type ReactNode, useState } from "react";
 import type { Behaviour } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
-import { imperfections } from "@/lib/recordings";
 
+import { useGame } from "@/games/game";
+import { imperfections } from "@/games/outcomes";
 import styles from "./KeepOrDiscard.module.css";
 
-type Game = Parameters<typeof imperfections>[0];
+type Played = Parameters<typeof imperfections>[0];
 
 interface PerfectMark {
   /** Marks games as perfect; asks first if one of them is not. */
-  mark: (games: readonly Game[], confirmed: () => void) => void;
+  mark: (games: readonly Played[], confirmed: () => void) => void;
   /** The question, while it is asked. */
   question: ReactNode;
 }
 
 /** Asks before games are marked as perfect that missed targets, hit strays or ended by death. */
 export function usePerfectMark({ target }: Behaviour): PerfectMark {
+  const game = useGame();
   const [asked, setAsked] = useState<{ sentence: string; confirmed: () => void } | null>(null);
 
-  function mark(games: readonly Game[], confirmed: () => void) {
+  function mark(games: readonly Played[], confirmed: () => void) {
     const found = games
-      .map((one) => imperfections(one, target?.length ?? null))
+      .map((one) => imperfections(one, target?.length ?? null, game))
       .filter((one) => one.length > 0);
     if (found.length === 0) confirmed();
     else setAsked({ sentence: sentenceOf(found, games.length), confirmed });
@@ -59,7 +61,7 @@ function sentenceOf(found: readonly (readonly string[])[], n: number): string {
   const [first = []] = found;
   if (n === 1) return t`This game isn’t perfect: ${first.join(", ")}.`;
   return plural(found.length, {
-    one: `# of ${n} games isn’t perfect: it missed targets, hit strays or ended with the cannon hit.`,
-    other: `# of ${n} games aren’t perfect: they missed targets, hit strays or ended with the cannon hit.`,
+    one: `# of ${n} games isn’t perfect: it missed targets, hit strays or was lost.`,
+    other: `# of ${n} games aren’t perfect: they missed targets, hit strays or were lost.`,
   });
 }

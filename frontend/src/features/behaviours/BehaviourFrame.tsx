@@ -4,21 +4,23 @@ import { useQuery } from "@tanstack/react-query";
 import { type ReactNode } from "react";
 import { Link, NavLink, useSearchParams } from "react-router";
 
-import { behaviourQuery } from "@/api/behaviours";
+import { behaviourQuery, behavioursQuery } from "@/api/behaviours";
+import { gameQuery } from "@/games/catalogue";
 import { isNotFound } from "@/api/client";
 import { runsQuery } from "@/api/runs";
 import type { Behaviour } from "@/api/types";
 import { ButtonLink } from "@/components/controls/Button";
 import { Icon } from "@/components/controls/Icon";
 import { Empty, Failed, Loading } from "@/components/feedback/States";
-import { AlienGrid } from "@/components/game/AlienGrid";
 import { PageTitle } from "@/components/PageTitle";
 import { useOnlyPlays } from "@/components/people/use-only-plays";
+import { GameProvider } from "@/games/game";
 import { classes } from "@/lib/classes";
 import { continuing, isActive, withSearch } from "@/lib/runs";
 
 import styles from "./BehaviourFrame.module.css";
 import { EditBehaviour } from "./EditBehaviour";
+import { GameMark } from "./GameMark";
 import { type PathStep, pathOf, type StepId, trainingStatus } from "./path";
 
 interface BehaviourFrameProps {
@@ -32,6 +34,10 @@ interface BehaviourFrameProps {
 export function BehaviourFrame({ behaviourId, looking = false, children }: BehaviourFrameProps) {
   const { data: behaviour, error, refetch } = useQuery(behaviourQuery(behaviourId));
   const onlyPlays = useOnlyPlays();
+  const { data: all } = useQuery(behavioursQuery);
+  const name = behaviour?.game;
+  const taught = useQuery({ ...gameQuery(name ?? ""), enabled: name !== undefined });
+  const game = taught.data;
   if (isNotFound(error)) {
     return (
       <Empty
@@ -52,24 +58,39 @@ export function BehaviourFrame({ behaviourId, looking = false, children }: Behav
   if (error && !behaviour) {
     return <Failed what={t`The behaviour`} error={error} onRetry={() => void refetch()} />;
   }
-  if (!behaviour) return <Loading what={t`the behaviour`} rows={2} height="5rem" />;
+  if (behaviour && taught.error && !game) {
+    return (
+      <Failed
+        what={t`The game ${behaviour.game}`}
+        error={taught.error}
+        onRetry={() => void taught.refetch()}
+      />
+    );
+  }
+  if (!behaviour || !game) return <Loading what={t`the behaviour`} rows={2} height="5rem" />;
+  const isOneOfSeveral = all?.some((one) => one.game !== game.name) ?? false;
   return (
-    <>
+    <GameProvider game={game} settings={behaviour.settings}>
       <PageTitle>{t`${behaviour.name} · Tril`}</PageTitle>
       <div className={styles.head}>
-        <AlienGrid target={behaviour.target} label="" />
+        <GameMark target={behaviour.target} />
         <div className={styles.words}>
           <div className={styles.title}>
             <h1>{behaviour.name}</h1>
             {!onlyPlays && <EditBehaviour behaviour={behaviour} />}
             <Training behaviourId={behaviour.id} />
           </div>
+          {isOneOfSeveral && (
+            <p className={styles.game}>
+              <Link to={`/games/${encodeURIComponent(game.name)}`}>{game.title}</Link>
+            </p>
+          )}
           <p>{behaviour.description}</p>
         </div>
       </div>
       <Path behaviour={behaviour} looking={looking} />
       <div className={styles.body}>{children(behaviour)}</div>
-    </>
+    </GameProvider>
   );
 }
 

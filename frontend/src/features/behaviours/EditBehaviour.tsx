@@ -11,32 +11,37 @@ import {
   updateBehaviour,
 } from "@/api/behaviours";
 import { messageOf } from "@/api/client";
-import type { Behaviour, BehaviourNew } from "@/api/types";
+import type { Behaviour, BehaviourNew, BehaviourUpdate, TaughtGame } from "@/api/types";
 import { Button, IconButton } from "@/components/controls/Button";
 import { useDraft } from "@/components/controls/drafts";
 import { useToast } from "@/components/feedback/Toasts";
-import { AlienGrid } from "@/components/game/AlienGrid";
+import { useGame } from "@/games/game";
 
 import { BehaviourDialog } from "./BehaviourDialog";
 import styles from "./BehaviourDialog.module.css";
 import { copyOf, draftOf } from "./draft";
+import { GameMark } from "./GameMark";
+import { HiddenAreasDialog } from "./hidden/HiddenAreasDialog";
 import { NewBehaviourDialog } from "./NewBehaviourDialog";
 
 /** The button that edits, copies or deletes a behaviour, with its dialogs. */
 export function EditBehaviour({ behaviour }: { behaviour: Behaviour }) {
+  const game = useGame();
   const { data: all } = useQuery(behavioursQuery);
-  const [open, setOpen] = useState<"edit" | "copy" | null>(null);
+  const [open, setOpen] = useState<"edit" | "copy" | "hidden" | null>(null);
   const close = () => setOpen(null);
   return (
     <>
       <IconButton icon="edit" label={t`Edit the behaviour`} onClick={() => setOpen("edit")} />
+      <IconButton icon="eye" label={t`What learning sees`} onClick={() => setOpen("hidden")} />
+      {open === "hidden" && <HiddenAreasDialog behaviour={behaviour} onClose={close} />}
       {open === "edit" && (
         <EditDialog behaviour={behaviour} onClose={close} onCopy={() => setOpen("copy")} />
       )}
       {open === "copy" && (
         <NewBehaviourDialog
-          title={t`Copy with another target`}
-          initial={copyOf(behaviour, all ?? [behaviour])}
+          title={game.items ? t`Copy with another target` : t`Copy, played otherwise`}
+          initial={copyOf(behaviour, all ?? [behaviour], game)}
           onClose={close}
         />
       )}
@@ -52,14 +57,17 @@ interface EditDialogProps {
 
 function EditDialog({ behaviour, onClose, onCopy }: EditDialogProps) {
   const client = useQueryClient();
-  const draft = useDraft(`behaviour ${behaviour.id}`, draftOf(behaviour));
-  const fixed = whyFixed(behaviour);
+  const game = useGame();
+  const draft = useDraft(`behaviour ${behaviour.id}`, draftOf(behaviour, game));
+  const fixed = whyFixed(behaviour, game);
   const remove = useDeletion(behaviour);
   const update = useMutation({
     mutationFn: (change: BehaviourNew) =>
       updateBehaviour(
         behaviour.id,
-        fixed === null ? change : { name: change.name, description: change.description },
+        fixed === null
+          ? withoutGame(change)
+          : { name: change.name, description: change.description },
       ),
     onSuccess: async () => {
       draft.drop();
@@ -74,14 +82,14 @@ function EditDialog({ behaviour, onClose, onCopy }: EditDialogProps) {
       onSubmit={(change) => update.mutate(change)}
       onClose={onClose}
       edited={behaviour}
-      fixedTarget={
+      fixed={
         fixed === null ? undefined : (
           <div className={styles.fixed}>
-            <AlienGrid target={behaviour.target} label="" />
+            <GameMark target={behaviour.target} />
             <div>
               <p>{fixed}</p>
               <Button onClick={onCopy}>
-                <Trans>Make a copy with another target</Trans>
+                {game.items ? t`Make a copy with another target` : t`Make a copy`}
               </Button>
             </div>
           </div>
@@ -104,6 +112,11 @@ function EditDialog({ behaviour, onClose, onCopy }: EditDialogProps) {
       }
     />
   );
+}
+
+/** What changes of a behaviour, which stays one of its game. */
+function withoutGame({ game: _, ...change }: BehaviourNew): BehaviourUpdate {
+  return change;
 }
 
 /** Deletes a behaviour; its toast restores it. */
@@ -130,9 +143,12 @@ function useDeletion(behaviour: Behaviour) {
   });
 }
 
-/** Why the target can't be changed; null if it can. */
-function whyFixed({ built_in, n_recordings, n_runs }: Behaviour): string | null {
-  if (built_in) return t`The target of a built-in behaviour stays as it is.`;
+/** Why target and settings can't be changed; null if they can. */
+function whyFixed({ built_in, n_recordings, n_runs }: Behaviour, game: TaughtGame): string | null {
+  if (built_in)
+    return t`The target of a built-in behaviour stays as it is, and so does how it is played.`;
   if (n_recordings === 0 && n_runs === 0) return null;
-  return t`The target stays as it is, since games were ranked and runs judged by it.`;
+  return game.items
+    ? t`The target and how it is played stay as they are, since games were recorded.`
+    : t`How it is played stays as it is, since games were recorded.`;
 }

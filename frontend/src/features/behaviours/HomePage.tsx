@@ -5,11 +5,11 @@ import { useState } from "react";
 import { Link } from "react-router";
 
 import { behavioursQuery } from "@/api/behaviours";
+import { catalogueQuery } from "@/games/catalogue";
 import { runsQuery } from "@/api/runs";
 import type { Behaviour, Run } from "@/api/types";
 import { Button, ButtonLink } from "@/components/controls/Button";
 import { Failed, Loading } from "@/components/feedback/States";
-import { AlienGrid } from "@/components/game/AlienGrid";
 import { ThingMark } from "@/components/game/ThingMark";
 import { useFirst } from "@/components/list/use-first";
 import { PageTitle } from "@/components/PageTitle";
@@ -20,6 +20,7 @@ import { isActive, statusLine } from "@/lib/runs";
 
 import { ExampleButton } from "./ExampleButton";
 import { FinishedExampleButton } from "./FinishedExampleButton";
+import { BehaviourMark } from "./GameMark";
 import styles from "./HomePage.module.css";
 import { NewBehaviourDialog } from "./NewBehaviourDialog";
 
@@ -31,6 +32,7 @@ export function HomePage() {
   const behaviours = useQuery(behavioursQuery);
   const onlyPlays = useOnlyPlays();
   const runs = useQuery({ ...runsQuery(), enabled: onlyPlays === false });
+  const { data: games } = useQuery(catalogueQuery);
   const [making, setMaking] = useState(false);
   const [shown, more] = useFirst(behaviours.data ?? [], CARDS);
 
@@ -46,6 +48,7 @@ export function HomePage() {
   if (!behaviours.data || (runs.isLoading && behaviours.data.some(({ n_runs: n }) => n > 0)))
     return <Loading what={t`the behaviours`} rows={4} height="6rem" />;
   const all = behaviours.data;
+  const isOneGame = all.every(({ game }) => game === all[0]?.game);
   const isNew = !onlyPlays && all.every((one) => isUntouched(one, runs.data));
   return (
     <>
@@ -74,6 +77,9 @@ export function HomePage() {
             <Card
               behaviour={behaviour}
               level={isNew ? "h3" : "h2"}
+              game={
+                isOneGame ? undefined : games?.find(({ name }) => name === behaviour.game)?.title
+              }
               latest={worthShowing(runs.data?.filter((run) => run.behaviour_id === behaviour.id))}
             />
           </li>
@@ -104,8 +110,8 @@ function Welcome({ all }: { all: readonly Behaviour[] }) {
         </h1>
         <p>
           <Trans>
-            Play Space Invaders for twenty seconds at a time, put your games in order from best to
-            worst, and Tril learns from the order what you were after.
+            Play a game for twenty seconds at a time, put your games in order from best to worst,
+            and Tril learns from the order what you were after.
           </Trans>
         </p>
         <div className={styles.actions}>
@@ -164,21 +170,25 @@ function worthShowing(runs: readonly Run[] = []): Run | undefined {
 function Card({
   behaviour,
   level: Heading,
+  game,
   latest,
 }: {
   behaviour: Behaviour;
   level: "h2" | "h3";
+  /** The title of its game, where there are several. */
+  game: string | undefined;
   latest: Run | undefined;
 }) {
   return (
     <article className={styles.card}>
-      <AlienGrid target={behaviour.target} label="" />
+      <BehaviourMark behaviour={behaviour} />
       <div className={styles.words}>
         <Heading className={styles.heading}>
           <Link className={styles.link} to={`/behaviours/${behaviour.id}`}>
             {behaviour.name}
           </Link>
         </Heading>
+        {game !== undefined && <p className={styles.counts}>{game}</p>}
         <p className={styles.description}>{behaviour.description}</p>
         <p className={styles.counts}>{countsOf(behaviour)}</p>
         {latest && <Latest run={latest} behaviour={behaviour} />}

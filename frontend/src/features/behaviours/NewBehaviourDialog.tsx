@@ -15,7 +15,7 @@ interface NewBehaviourDialogProps {
   initial?: BehaviourDraft;
 }
 
-/** Creates a behaviour: name, description and optionally a target. */
+/** Creates a behaviour: a game, what is to be shown in it, a name and optionally a target. */
 export function NewBehaviourDialog({
   onClose,
   title = t`New behaviour`,
@@ -23,7 +23,7 @@ export function NewBehaviourDialog({
 }: NewBehaviourDialogProps) {
   const client = useQueryClient();
   const navigate = useNavigate();
-  const draft = useDraft(`${title} ${initial.name}`, initial);
+  const draft = useDraft(`${title} ${initial.game} ${initial.name}`, initial);
   const create = useMutation({
     mutationFn: createBehaviour,
     onSuccess: async (behaviour) => {

@@ -2,29 +2,106 @@
 
 import { t } from "@lingui/core/macro";
 
-import type { Behaviour } from "@/api/types";
-import type { Cell } from "@/lib/game/aliens";
+import type { Behaviour, BehaviourNew, TaughtGame } from "@/api/types";
+import { measured, whole } from "@/lib/format";
+import type { Cell } from "@/lib/game/items";
 
 export interface BehaviourDraft {
+  readonly game: string;
   readonly name: string;
   readonly description: string;
   readonly hasTarget: boolean;
   readonly target: readonly Cell[];
   readonly ordered: boolean;
+  /** The longest game in seconds, as typed; empty as the game has it. */
+  readonly seconds: string;
+  /** Name of the end rule; null as the game has it. */
+  readonly endRule: string | null;
+  readonly options: Readonly<Record<string, number>>;
+  readonly hidden: Behaviour["settings"]["hidden"] | null;
 }
 
+/** The game that behaviours are of unless another one is chosen. */
+export const DEFAULT_GAME = "space_invaders";
+
 export const EMPTY_DRAFT: BehaviourDraft = {
+  game: DEFAULT_GAME,
   name: "",
   description: "",
   hasTarget: false,
   target: [],
   ordered: false,
+  seconds: "",
+  endRule: null,
+  options: {},
+  hidden: null,
 };
 
 /** The form of an existing behaviour. */
-export function draftOf({ name, description, target, ordered }: Behaviour): BehaviourDraft {
+export function draftOf(behaviour: Behaviour, game: TaughtGame): BehaviourDraft {
+  const { name, description, target, ordered, settings } = behaviour;
   const cells = (target ?? []).map(([row, column]) => [row, column] as const);
-  return { name, description, hasTarget: target !== null, target: cells, ordered };
+  const steps = settings.max_steps ?? null;
+  return {
+    game: behaviour.game,
+    name,
+    description,
+    hasTarget: target !== null,
+    target: cells,
+    ordered,
+    seconds: steps === null ? "" : String(Number(secondsOf(steps, game).toFixed(2))),
+    endRule: settings.end_rule ?? null,
+    options: settings.options,
+    hidden: settings.hidden ?? null,
+  };
+}
+
+/** Returns how long so many steps of a game take. */
+export function secondsOf(steps: number, game: TaughtGame): number {
+  return (steps * game.frames_per_step) / game.frame_rate_hz;
+}
+
+/** Shortest games that can be asked for. */
+const LEAST_SECONDS = 5;
+const MOST_SECONDS = 400;
+
+/** What is wrong with the length of games; null if nothing is. */
+export function secondsProblem(typed: string, game: TaughtGame): string | null {
+  if (typed.trim() === "") return null;
+  const most = Math.min(MOST_SECONDS, secondsOf(game.longest_steps, game));
+  const seconds = readSeconds(typed);
+  return seconds >= LEAST_SECONDS && seconds <= most
+    ? null
+    : t`Type a number of seconds from ${LEAST_SECONDS} to ${whole(most)}.`;
+}
+
+function readSeconds(typed: string): number {
+  return Number(typed.trim().replace(",", "."));
+}
+
+/** Names the length that a game has by itself. */
+export function ownSeconds(game: TaughtGame): string {
+  return measured(secondsOf(game.max_steps, game)).replace(/[.,]0+$/, "");
+}
+
+/** The behaviour that a form describes. */
+export function behaviourOf(draft: BehaviourDraft, game: TaughtGame): BehaviourNew {
+  const hasTarget = draft.hasTarget && game.items !== null;
+  const isTimed = draft.seconds.trim() !== "";
+  const steps = (readSeconds(draft.seconds) * game.frame_rate_hz) / game.frames_per_step;
+  return {
+    game: game.name,
+    name: draft.name.trim(),
+    description: draft.description.trim(),
+    target: hasTarget ? draft.target.map(([row, column]: Cell) => [row, column]) : null,
+    ordered: hasTarget && draft.ordered,
+    settings: {
+      max_steps: isTimed ? Math.round(steps) : null,
+      end_rule: draft.endRule,
+      options: draft.options,
+      hidden: draft.hidden ?? null,
+    },
+  };
 }
 
 type Named = Pick<Behaviour, "id" | "name">;
@@ -33,13 +110,18 @@ type Named = Pick<Behaviour, "id" | "name">;
 const MAX_NAME_LENGTH = 120;
 
 /** The form of a copy: its name is free. */
-export function copyOf(behaviour: Behaviour, others: readonly Named[]): BehaviourDraft {
-  const draft = draftOf(behaviour);
+export function copyOf(
+  behaviour: Behaviour,
+  others: readonly Named[],
+  game: TaughtGame,
+): BehaviourDraft {
+  const draft = draftOf(behaviour, game);
   // Leaves room for the other words and a number.
-  const first = t`${draft.name.slice(0, 90)} with another target`;
+  const start = draft.name.slice(0, 90);
+  const first = game.items ? t`${start} with another target` : t`${start}, played otherwise`;
   let name = first;
   for (let number = 2; namesake(name, others); number += 1) name = `${first} (${number})`;
-  return { ...draft, name, hasTarget: true };
+  return { ...draft, name, hasTarget: game.items !== null };
 }
 
 /** What is wrong with the name of a behaviour; null if nothing is. */

@@ -29,7 +29,8 @@ import { StageOverlay } from "@/features/play/stage/StageOverlay";
 import { useMarks } from "@/features/play/stage/use-marks";
 import { useScreen } from "@/features/play/stage/use-screen";
 import type { GameStream } from "@/features/play/stream/game-stream";
-import { type PlayedGame, useGame } from "@/features/play/stream/use-game";
+import { type PlayedGame, usePlayedGame } from "@/features/play/stream/use-played-game";
+import { useGame } from "@/games/game";
 import { useFittingScreenSize } from "@/lib/game/use-screen-size";
 
 import styles from "./PlayPage.module.css";
@@ -54,8 +55,9 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
   const stage = useRef<HTMLDivElement>(null);
   const hudTime = useRef<HTMLSpanElement>(null);
   const { screen, frames, setPainter } = useScreen(clock);
-  const game = useGame(behaviour.id, screen);
-  const size = useFittingScreenSize(stage, stageHeight);
+  const taught = useGame();
+  const game = usePlayedGame(behaviour.id, screen);
+  const size = useFittingScreenSize(stage, stageHeight, taught);
   const [held] = useState(() => new HeldKeys());
   const [keysOpen, setKeysOpen] = useState(false);
   const [showsLatency] = useSetting(SHOW_LATENCY);
@@ -93,7 +95,7 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
           ref={stage}
           className={styles.stage}
           role="application"
-          aria-label={t`Game. Arrow keys steer, space fires, Escape pauses.`}
+          aria-label={t`Game. Its keys are listed on this page.`}
           // Focusable, since the game takes keyboard input.
           // eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex
           tabIndex={0}
@@ -137,8 +139,8 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
         <StageHud time={hudTime} hits={state?.hits ?? []} behaviour={behaviour} />
         <TouchPad
           idle={!phase || !steers(phase)}
-          onHold={(name, bit, atMs) => {
-            if (held.hold(name, bit)) stream?.hold(held.bits, atMs);
+          onHold={(name, bits, atMs) => {
+            if (held.hold(name, bits)) stream?.hold(held.bits, atMs);
           }}
           onRelease={(name) => {
             if (held.release(name)) stream?.hold(held.bits);
@@ -170,7 +172,7 @@ export function PlayPage({ behaviour }: { behaviour: Behaviour }) {
           />
         )}
         <Undecided behaviour={behaviour} besides={state?.ended?.recording_id} />
-        <Checklist behaviour={behaviour} />
+        {taught.has_player && <Checklist behaviour={behaviour} />}
         <KeyHelp />
         <Toggles
           hasTarget={behaviour.target !== null}

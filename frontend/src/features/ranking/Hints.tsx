@@ -62,7 +62,7 @@ function hintsFor(tiers: Tiers, recordings: readonly LibraryEntry[]): readonly H
       ? {
           id: "number",
           done: true,
-          text: t`${rankedText(nRanked, nBorrowed)}: enough once “What this order asks for” shows the aliens you mean.`,
+          text: t`${rankedText(nRanked, nBorrowed)}: enough once “What this order asks for” shows what you mean.`,
         }
       : {
           id: "number",

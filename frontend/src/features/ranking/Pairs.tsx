@@ -4,8 +4,10 @@ import { Trans } from "@lingui/react/macro";
 import type { Behaviour } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import type { BranchPair, Verdict } from "@/features/ranking/order/branch-pairs";
-import { FRAME_RATE_HZ, seconds } from "@/lib/format";
-import { describeCourse, recordingName, describeScore } from "@/lib/recordings";
+import { useGame } from "@/games/game";
+import { describeCourse, describeScore } from "@/games/outcomes";
+import { seconds } from "@/lib/format";
+import { recordingName } from "@/lib/recordings";
 
 import styles from "./Pairs.module.css";
 
@@ -18,6 +20,7 @@ interface PairsProps {
 
 /** Asks which of two branches of a game is better. */
 export function Pairs({ pairs, behaviour, onPreview, onJudge }: PairsProps) {
+  const game = useGame();
   const [pair] = pairs;
   if (!pair) return null;
   const { before, after, frame } = pair;
@@ -30,7 +33,7 @@ export function Pairs({ pairs, behaviour, onPreview, onJudge }: PairsProps) {
       <p>
         <Trans>
           {recordingName(after)} branches off {recordingName(before)} at{" "}
-          {seconds(frame / FRAME_RATE_HZ)}.
+          {seconds(frame / game.frame_rate_hz)}.
         </Trans>
       </p>
       <ul>
@@ -40,7 +43,7 @@ export function Pairs({ pairs, behaviour, onPreview, onJudge }: PairsProps) {
               {recordingName(one)}
             </Button>
             <span>
-              {describeScore(one, nTargets)}; {describeCourse(one)}
+              {describeScore(one, nTargets, game)}; {describeCourse(one, game)}
             </span>
           </li>
         ))}

@@ -6,7 +6,9 @@ import { shownQuery } from "@/api/library";
 import type { Behaviour } from "@/api/types";
 import { RecordingScreen } from "@/components/recording/RecordingScreen";
 import { WatchDialog } from "@/components/recording/WatchDialog";
-import { recordingName, describeScore } from "@/lib/recordings";
+import { useGame } from "@/games/game";
+import { describeScore } from "@/games/outcomes";
+import { recordingName } from "@/lib/recordings";
 
 import styles from "./Preview.module.css";
 
@@ -22,6 +24,7 @@ export function Preview({
   playing: boolean;
   behaviour: Behaviour;
 }) {
+  const game = useGame();
   const [watching, setWatching] = useState(false);
   const { data: recording } = useQuery({
     ...shownQuery(behaviour.id, recordingId ?? 0),
@@ -44,7 +47,9 @@ export function Preview({
       <p className={styles.caption}>
         <strong>{recordingName(recording)}</strong>
         <span>
-          {playing ? describeScore(recording, nTargets) : t`Point at a recording to play it here.`}
+          {playing
+            ? describeScore(recording, nTargets, game)
+            : t`Point at a recording to play it here.`}
         </span>
       </p>
       {watching && (

@@ -1,12 +1,12 @@
 import { t } from "@lingui/core/macro";
 
 import type { Behaviour } from "@/api/types";
+import { useGame } from "@/games/game";
 import { classes } from "@/lib/classes";
-import { COLUMNS, ROWS } from "@/lib/game/aliens";
 
 import styles from "./ColumnBars.module.css";
 
-/** The number of hits in each column of aliens. */
+/** The number of items taken in each column of their grid; nothing for a game without items. */
 export function ColumnBars({
   counts,
   target,
@@ -14,11 +14,14 @@ export function ColumnBars({
   counts: readonly number[];
   target: Behaviour["target"];
 }) {
+  const { items } = useGame();
+  if (!items) return null;
   const targetColumns = new Set(target?.map(([, column]) => column));
-  const columns = Array.from({ length: COLUMNS }, (_, column) => counts[column] ?? 0);
+  const columns = Array.from({ length: items.columns }, (_, column) => counts[column] ?? 0);
   return (
     <div
       className={styles.bars}
+      style={{ gridTemplateColumns: `repeat(${items.columns}, 1fr)` }}
       role="img"
       aria-label={t`Hits per column, from the left: ${columns.join(", ")}`}
     >
@@ -28,7 +31,7 @@ export function ColumnBars({
           className={classes(styles.bar, targetColumns.has(column) && styles.target)}
         >
           <i>
-            {Array.from({ length: ROWS }, (_, row) => (
+            {Array.from({ length: items.rows }, (_, row) => (
               <b key={row} data-on={row < hits ? "" : undefined} />
             ))}
           </i>

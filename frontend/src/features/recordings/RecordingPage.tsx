@@ -5,7 +5,7 @@ import { useState } from "react";
 import { Link, useNavigate, useSearchParams } from "react-router";
 
 import { courseQuery, framesQuery } from "@/api/recordings";
-import type { Behaviour, Recording, RecordingCourse } from "@/api/types";
+import type { Behaviour, Recording, RecordingCourse, TaughtGame } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Failed, Loading, Notice } from "@/components/feedback/States";
 import { PageTitle } from "@/components/PageTitle";
@@ -20,11 +20,14 @@ import { ActionLanes } from "@/features/recordings/detail/ActionLanes";
 import { Downloads } from "@/features/recordings/detail/Downloads";
 import { MemoryView } from "@/features/recordings/detail/MemoryView";
 import { useRewardRun } from "@/features/recordings/detail/use-reward-run";
-import { FRAME_RATE_HZ, FRAMES_PER_STEP, inSentence, moment, seconds } from "@/lib/format";
-import { cellName } from "@/lib/game/aliens";
+import { useGame } from "@/games/game";
+import { describeCourse, describeScore } from "@/games/outcomes";
+import { wordsOf } from "@/games/words";
+import { inSentence, moment, seconds } from "@/lib/format";
+import { cellName } from "@/lib/game/items";
 import type { Playback } from "@/lib/game/playback";
 import { valueRows } from "@/lib/recipe-values";
-import { describeCourse, recordingName, describeScore } from "@/lib/recordings";
+import { recordingName } from "@/lib/recordings";
 import { thingNames } from "@/lib/things";
 
 import { VerifiedBadge } from "./badges";
@@ -43,6 +46,7 @@ export function RecordingPage({
   recording: Recording;
   behaviour: Behaviour;
 }) {
+  const game = useGame();
   const frames = useQuery(framesQuery(recording));
   const course = useQuery(courseQuery(recording.id));
   const [search] = useSearchParams();
@@ -74,7 +78,7 @@ export function RecordingPage({
             reward={
               runId === null ? undefined : { runId, recordingId: recording.id, menu: control }
             }
-            startFrame={frameOf(search)}
+            startFrame={frameOf(search, game)}
             screenHeight={screenHeight}
           >
             {(playback) => (
@@ -82,7 +86,9 @@ export function RecordingPage({
                 {runId === null && control}
                 {course.data && <ActionLanes playback={playback} actions={course.data.actions} />}
                 <Hits playback={playback} recording={recording} />
-                {course.data && <MemoryView playback={playback} course={course.data} />}
+                {course.data && game.has_memory && (
+                  <MemoryView playback={playback} course={course.data} />
+                )}
               </>
             )}
           </RecordingPlayer>
@@ -119,9 +125,10 @@ export function RecordingPage({
 }
 
 /** Returns the frame that an address names by frame or step, so that a moment can be linked to. */
-function frameOf(search: URLSearchParams): number {
+function frameOf(search: URLSearchParams, game: TaughtGame): number {
   const step = search.get("step");
-  const frame = step === null ? Number(search.get("frame") ?? 0) : Number(step) * FRAMES_PER_STEP;
+  const frame =
+    step === null ? Number(search.get("frame") ?? 0) : Number(step) * game.frames_per_step;
   return Number.isInteger(frame) && frame > 0 ? frame : 0;
 }
 
@@ -172,24 +179,25 @@ function Actions({ recording, behaviour }: { recording: Recording; behaviour: Be
 }
 
 function Facts({ recording, behaviour }: { recording: Recording; behaviour: Behaviour }) {
+  const game = useGame();
   return (
     <section className={styles.facts}>
       <p>
-        <strong>{describeScore(recording, behaviour.target?.length ?? null)}</strong>
+        <strong>{describeScore(recording, behaviour.target?.length ?? null, game)}</strong>
       </p>
-      <p>{describeCourse(recording)}</p>
+      <p>{describeCourse(recording, game)}</p>
       <ColumnBars counts={recording.hits_per_column} target={behaviour.target} />
       <p className={styles.badges}>
         <SourceBadge recording={recording} />
         <VerifiedBadge recording={recording} />
       </p>
       <p className={styles.hint}>
-        {moment(recording.created_at)} ·{" "}
-        {plural(recording.counters.shots ?? 0, { one: "# shot", other: "# shots" })} ·{" "}
-        {plural(recording.start.idle_frames ?? 0, {
-          one: "start after # idle frame",
-          other: "start after # idle frames",
-        })}
+        {moment(recording.created_at)} · {countersOf(recording, game)}
+        {recording.start.idle_frames !== undefined &&
+          plural(recording.start.idle_frames, {
+            one: "start after # idle frame",
+            other: "start after # idle frames",
+          })}
         {recording.evaluation_start !== null && (
           <>
             , <Trans>which is evaluation start {recording.evaluation_start}</Trans>
@@ -212,7 +220,7 @@ function Facts({ recording, behaviour }: { recording: Recording; behaviour: Beha
             <Link to={`/runs/${recording.begun_by.run_id}`}>
               <RunName id={recording.begun_by.run_id} />
             </Link>{" "}
-            played the first {seconds(recording.begun_by.frames / FRAME_RATE_HZ)}.
+            played the first {seconds(recording.begun_by.frames / game.frame_rate_hz)}.
           </Trans>
         </p>
       )}
@@ -220,14 +228,23 @@ function Facts({ recording, behaviour }: { recording: Recording; behaviour: Beha
   );
 }
 
+/** What the game counted, and its score where it can be told apart. */
+function countersOf({ counters, score }: Recording, game: TaughtGame): string {
+  const words = Object.entries(counters).map(([name, count]) =>
+    name === "shots"
+      ? plural(count, { one: "# shot", other: "# shots" })
+      : `${game.counters[name] ?? name}: ${count}`,
+  );
+  if (game.items && score !== null) words.push(t`score ${score}`);
+  return words.map((one) => `${one} · `).join("");
+}
+
 /** The hits, as links into the recording. */
 function Hits({ playback, recording }: { playback: Playback; recording: Recording }) {
+  const game = useGame();
+  if (!game.items) return null;
   if (recording.hits.length === 0)
-    return (
-      <p className={styles.hint}>
-        <Trans>No alien was hit.</Trans>
-      </p>
-    );
+    return <p className={styles.hint}>{wordsOf(game).noneTaken()}</p>;
   return (
     <ol className={styles.hits} aria-label={t`Hits`}>
       {recording.hits.map((hit) => (
@@ -239,7 +256,7 @@ function Hits({ playback, recording }: { playback: Playback; recording: Recordin
               playback.seek(hit.frame);
             }}
           >
-            {seconds(hit.frame / FRAME_RATE_HZ, 2)} {cellName([hit.row, hit.column])}
+            {seconds(hit.frame / game.frame_rate_hz, 2)} {cellName([hit.row, hit.column])}
             {hit.on_target === false && (
               <strong>
                 {" "}

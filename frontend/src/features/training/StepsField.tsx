@@ -18,7 +18,7 @@ interface StepsFieldProps {
   value: string;
   error: string | undefined;
   recipe: Recipe;
-  /** Whether aliens are to be hit in order. */
+  /** Whether targets are to be hit in order. */
   ordered: boolean;
   onChange: (text: string) => void;
 }

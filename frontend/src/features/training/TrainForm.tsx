@@ -100,7 +100,7 @@ export function TrainForm(props: TrainFormProps) {
           ))}
         </div>
       </fieldset>
-      {recipe.name === "fast" && behaviour.target === null && <AliensAlone />}
+      {recipe.name === "fast" && behaviour.target === null && <ItemsAlone />}
       <StepsField
         value={values.steps}
         error={errors.steps}
@@ -167,13 +167,13 @@ function showInvalid(form: Element): void {
 }
 
 /** What fast can't learn, for behaviours that may be about something else. */
-function AliensAlone() {
+function ItemsAlone() {
   return (
     <Notice tone="calm">
       <p>
         <Trans>
-          The recipe <strong>fast</strong> considers only which aliens are hit. If you rank by
-          something else, such as where the cannon stands or how often it shoots, try the recipe{" "}
+          The recipe <strong>fast</strong> considers only what is hit. If you rank by something
+          else, such as where you stand or how often you shoot, try the recipe{" "}
           <strong>paper</strong>, which takes hours.
         </Trans>
       </p>

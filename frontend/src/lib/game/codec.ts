@@ -1,9 +1,14 @@
-/** Decodes screens: palette indices, XORed with the previous screen, compressed with zlib. */
+/** Decodes screens: pixels, XORed with those of the previous screen, compressed with zlib. */
 import { unzlibSync } from "fflate";
 
-export const SCREEN_WIDTH = 160;
-export const SCREEN_HEIGHT = 210;
-export const SCREEN_BYTES = SCREEN_WIDTH * SCREEN_HEIGHT;
+import type { ScreenFormat } from "./screen";
+
+const WORD_BYTES = 4;
+
+/** Returns the bytes of a screen: one a pixel with a palette, else red, green and blue. */
+export function screenBytes({ width, height, palette }: ScreenFormat): number {
+  return width * height * (palette ? 1 : 3);
+}
 
 /** The bytes do not follow the protocol; the rest of the connection or file is unreadable. */
 export class CodecError extends Error {
@@ -12,10 +17,18 @@ export class CodecError extends Error {
 
 /** Holds the current screen and applies the differences to it. */
 export class ScreenDecoder {
-  private readonly words = new Uint32Array(SCREEN_BYTES / 4);
-  private readonly packed = new Uint32Array(SCREEN_BYTES / 4);
-  /** Palette indices, row by row from the top; updated in place by `apply`. */
-  readonly pixels = new Uint8Array(this.words.buffer);
+  private readonly words: Uint32Array;
+  private readonly packed: Uint32Array;
+  /** Palette indices or colours, row by row from the top; updated in place by `apply`. */
+  readonly pixels: Uint8Array;
+
+  constructor(format: ScreenFormat) {
+    const bytes = screenBytes(format);
+    this.words = new Uint32Array(Math.ceil(bytes / WORD_BYTES));
+    // With room for what is too long, which would be cut off otherwise.
+    this.packed = new Uint32Array(this.words.length + 1);
+    this.pixels = new Uint8Array(this.words.buffer, 0, bytes);
+  }
 
   /**
    * Applies one frame; a key frame replaces the screen.
@@ -23,6 +36,7 @@ export class ScreenDecoder {
    * @throws {CodecError} The payload is corrupt or has another size.
    */
   apply(payload: Uint8Array, isKey: boolean): void {
+    const { length } = this.pixels;
     const out = new Uint8Array(this.packed.buffer);
     let unpacked: Uint8Array;
     try {
@@ -30,12 +44,12 @@ export class ScreenDecoder {
     } catch (error) {
       throw new CodecError("A frame could not be unpacked.", { cause: error });
     }
-    if (unpacked.length !== SCREEN_BYTES) {
-      throw new CodecError(`Expected ${SCREEN_BYTES} pixels in a frame, got ${unpacked.length}.`);
+    if (unpacked.length !== length) {
+      throw new CodecError(`Expected ${length} bytes in a frame, got ${unpacked.length}.`);
     }
     if (unpacked.buffer !== out.buffer) out.set(unpacked);
     if (isKey) {
-      this.words.set(this.packed);
+      this.words.set(this.packed.subarray(0, this.words.length));
       return;
     }
     const { words, packed } = this;
@@ -47,10 +61,7 @@ const FILE_MAGIC = "TRILFRM1";
 const FILE_FRAME_HEADER_BYTES = 5;
 const KEY_FRAME_FLAG = 1;
 
-interface FramesHeader {
-  readonly width: number;
-  readonly height: number;
-  readonly palette: readonly (readonly [number, number, number])[];
+interface FramesHeader extends ScreenFormat {
   readonly frame_rate_hz: number;
   readonly n_frames: number;
   readonly key_every: number;
@@ -60,7 +71,7 @@ interface FramesHeader {
 export class RecordedFrames {
   readonly header: FramesHeader;
   private readonly frames: { readonly payload: Uint8Array; readonly isKey: boolean }[] = [];
-  private readonly decoder = new ScreenDecoder();
+  private readonly decoder: ScreenDecoder;
   private at = -1;
 
   constructor(body: ArrayBuffer) {
@@ -71,6 +82,7 @@ export class RecordedFrames {
     let offset = FILE_MAGIC.length + 4;
     const json = new TextDecoder().decode(new Uint8Array(body, offset, headerLength));
     this.header = JSON.parse(json) as FramesHeader;
+    this.decoder = new ScreenDecoder(this.header);
     offset += headerLength;
     while (offset < body.byteLength) {
       const length = view.getUint32(offset, true);
@@ -92,7 +104,7 @@ export class RecordedFrames {
     return this.frames.length - 1;
   }
 
-  /** Decodes a frame, clamped to the recording, and returns its palette indices. */
+  /** Decodes a frame, clamped to the recording, and returns its pixels. */
   show(frame: number): Uint8Array {
     const target = Math.min(Math.max(Math.trunc(frame), 0), this.last);
     let from = target;

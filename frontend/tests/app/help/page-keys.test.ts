@@ -1,18 +1,22 @@
 import { describe, expect, it } from "vitest";
 
 import { keySections } from "@/app/help/page-keys";
-import { DEFAULT_KEYS } from "@/features/play/input/keys";
+import { defaultKeys } from "@/features/play/input/keys";
 import { intentOf } from "@/features/play/input/intents";
 import { watchIntentOf } from "@/features/play/watch/watch-keys";
 
+import { CART_POLE, SPACE_INVADERS } from "../../support/games";
 import { us } from "../../support/keyboard";
 
+const DEFAULT_KEYS = defaultKeys(SPACE_INVADERS);
+const PLAYED = { game: SPACE_INVADERS, keys: DEFAULT_KEYS };
+
 function titles(path: string): string[] {
-  return keySections(path, DEFAULT_KEYS).map(({ title }) => title);
+  return keySections(path, PLAYED).map(({ title }) => title);
 }
 
 function keysOf(path: string, title: string): string[] {
-  const section = keySections(path, DEFAULT_KEYS).find((one) => one.title === title);
+  const section = keySections(path, PLAYED).find((one) => one.title === title);
   return section?.rows.flatMap(({ keys }) => keys) ?? [];
 }
 
@@ -33,8 +37,16 @@ describe("the keys of a page", () => {
 
   it("of the game are the player's own", () => {
     const keys = { ...DEFAULT_KEYS, fire: ["KeyZ"] };
-    const [playing] = keySections("/behaviours/3/play", keys);
+    const [playing] = keySections("/behaviours/3/play", { game: SPACE_INVADERS, keys });
     expect(playing?.rows.find(({ effect }) => effect.startsWith("fire"))?.keys).toEqual(["Z"]);
+  });
+
+  it("name each button of a game, and no rewinding where it can't be", () => {
+    const keys = defaultKeys(CART_POLE);
+    const [playing] = keySections("/behaviours/3/play", { game: CART_POLE, keys });
+    const effects = playing?.rows.map(({ effect }) => effect) ?? [];
+    expect(effects.slice(0, 3)).toEqual(["push left", "push right", "pause"]);
+    expect(effects).not.toContain("rewind while held");
   });
 
   it("do something: letters while playing, after a game and while watching", () => {

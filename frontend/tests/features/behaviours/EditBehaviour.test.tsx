@@ -33,7 +33,7 @@ describe("editing a behaviour", () => {
     await userEvent.clear(dialog.getByLabelText("Name"));
     expect(dialog.getByLabelText("Name")).toBeValid();
     await userEvent.type(dialog.getByLabelText("Name"), "Yours");
-    await userEvent.click(dialog.getByRole("button", { name: "Alien in row 3, column 1" }));
+    await userEvent.click(await dialog.findByRole("button", { name: "Alien in row 3, column 1" }));
     await userEvent.click(dialog.getByRole("button", { name: "Save" }));
     expect(sent("PATCH")[0]?.body).toEqual({
       name: "Yours",
@@ -44,6 +44,7 @@ describe("editing a behaviour", () => {
         [2, 0],
       ],
       ordered: false,
+      settings: { max_steps: null, end_rule: null, options: {}, hidden: null },
     });
   });
 
@@ -53,7 +54,7 @@ describe("editing a behaviour", () => {
     await userEvent.click(dialog.getByRole("button", { name: "Make a copy with another target" }));
     const copy = within(screen.getByRole("dialog", { name: "Copy with another target" }));
     expect(copy.getByLabelText("Name")).toHaveValue("Mine with another target");
-    await userEvent.click(copy.getByRole("button", { name: "All of column 2" }));
+    await userEvent.click(await copy.findByRole("button", { name: "All of column 2" }));
     await userEvent.click(copy.getByRole("button", { name: "Create behaviour" }));
     await screen.findByText("Another page");
     expect(router.state.location.pathname).toBe("/behaviours/9/play");

@@ -198,9 +198,9 @@ describe("a new behaviour", () => {
   it("takes its target and order from the keyboard as from the mouse", async () => {
     const { dialog, sent } = await open(() => behaviour());
     await userEvent.type(dialog.getByLabelText("Name"), "Three");
-    await userEvent.click(dialog.getByLabelText("Target certain aliens"));
+    await userEvent.click(await dialog.findByLabelText("Target certain aliens"));
     await userEvent.click(dialog.getByLabelText("The order matters"));
-    await userEvent.click(dialog.getByRole("button", { name: "Alien in row 2, column 1" }));
+    await userEvent.click(await dialog.findByRole("button", { name: "Alien in row 2, column 1" }));
     await userEvent.keyboard("{ArrowRight} {ArrowDown}{Enter}");
     expect(
       dialog.getByRole("button", { pressed: true, name: /row 1, column 2, 3rd/ }),
@@ -219,8 +219,8 @@ describe("a new behaviour", () => {
 
   it("picks whole lines", async () => {
     const { dialog } = await open(() => behaviour());
-    await userEvent.click(dialog.getByLabelText("Target certain aliens"));
-    await userEvent.click(dialog.getByRole("button", { name: "All of column 5" }));
+    await userEvent.click(await dialog.findByLabelText("Target certain aliens"));
+    await userEvent.click(await dialog.findByRole("button", { name: "All of column 5" }));
     expect(dialog.getByText("6 aliens chosen")).toBeVisible();
     await userEvent.click(dialog.getByRole("button", { name: "Clear" }));
     expect(dialog.getByText("0 aliens chosen")).toBeVisible();

@@ -4,16 +4,19 @@ import { zlibSync } from "fflate";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 
 import type { Pad } from "@/features/play/input/gamepad";
-import { DEFAULT_KEYS } from "@/features/play/input/keys";
+import { defaultKeys } from "@/features/play/input/keys";
 import { PlayPage } from "@/features/play/PlayPage";
 import { Sounds } from "@/features/play/sound/sounds";
-import { SCREEN_BYTES } from "@/lib/game/codec";
 import { SilenceWatch } from "@/lib/browser/silence";
 
 import { behaviour, recording } from "../../support/data";
+import { SPACE_INVADERS } from "../../support/games";
 import { show } from "../../support/page";
 import { Refusal, serve } from "../../support/server";
 import { denyStorage } from "../../support/storage";
+
+const DEFAULT_KEYS = defaultKeys(SPACE_INVADERS);
+const SCREEN_BYTES = 160 * 210;
 
 /** The server's end of the stream, controlled by the test. */
 class FakeSocket extends EventTarget {
@@ -54,6 +57,8 @@ function inputs(): number[] {
 
 const HELLO = {
   type: "hello",
+  width: 160,
+  height: 210,
   palette: [],
   max_frames: 1200,
   frame: 0,
@@ -142,10 +147,10 @@ async function start(one = behaviour()) {
 }
 
 /** Shows a frame with the aliens where they begin. */
-function frame(number: number, { isShot = false } = {}): void {
+function frame(number: number, { hasCounted = false } = {}): void {
   const payload = zlibSync(new Uint8Array(SCREEN_BYTES));
   const data = new Uint8Array(16 + payload.length);
-  data.set([1, isShot ? 3 : 1, 23 + 96, 31, number, 0, 0, 0, number]);
+  data.set([1, hasCounted ? 3 : 1, 23 + 96, 31, number, 0, 0, 0, number]);
   data.set(payload, 16);
   act(() => {
     FakeSocket.last?.dispatchEvent(new MessageEvent("message", { data: data.buffer }));
@@ -259,7 +264,7 @@ describe("playing", () => {
     await start();
     tell({ type: "hit", row: 0, column: 0, frame: 99, on_target: true, targets: 1, strays: 0 });
     tell({ type: "hit", row: 3, column: 4, frame: 150, on_target: false, targets: 1, strays: 1 });
-    expect(screen.getByRole("img", { name: "1 of 2 target aliens hit, 1 stray" })).toBeVisible();
+    expect(screen.getByRole("img", { name: "1 of 2 targets hit, 1 stray" })).toBeVisible();
   });
 
   it("pauses and goes on by key", async () => {
@@ -447,7 +452,7 @@ describe("playing", () => {
     await userEvent.keyboard("t");
     expect(strokeRect).toHaveBeenCalledTimes(2);
     const legend = screen.getByRole("list", { name: "Drawn over the game, and not recorded" });
-    expect(legend).toHaveTextContent("remaining target aliens");
+    expect(legend).toHaveTextContent("remaining targets");
     frame(2);
     tell({ type: "hit", row: 0, column: 0, frame: 3, on_target: true, targets: 1, strays: 0 });
     frame(3);
@@ -494,9 +499,9 @@ describe("playing", () => {
     const close = vi.spyOn(Sounds.prototype, "close").mockReturnValue(undefined);
     vi.stubGlobal("AudioContext", vi.fn());
     await start();
-    frame(1, { isShot: true });
+    frame(1, { hasCounted: true });
     await userEvent.keyboard("m");
-    frame(2, { isShot: true });
+    frame(2, { hasCounted: true });
     frame(3);
     await Promise.resolve();
     tell({ type: "hit", row: 0, column: 0, frame: 3, on_target: true, targets: 1, strays: 0 });
@@ -587,7 +592,7 @@ describe("after the end", () => {
     const { asked, did } = await end();
     await userEvent.keyboard("p");
     expect(screen.getByRole("dialog", { name: "Mark as perfect?" })).toHaveTextContent(
-      "it missed 1 target, it ended with the cannon hit",
+      "it missed 1 target, it was lost: hit by a bomb",
     );
     expect(did()).toEqual(["/api/games"]);
     expect(screen.getByRole("button", { name: "Don’t mark" })).toHaveFocus();

@@ -2,19 +2,32 @@ import { zlibSync } from "fflate";
 import fc from "fast-check";
 import { describe, expect, it } from "vitest";
 
-import { CodecError, RecordedFrames, SCREEN_BYTES, ScreenDecoder } from "@/lib/game/codec";
+import { CodecError, RecordedFrames, ScreenDecoder } from "@/lib/game/codec";
 
 import { bytesOf, sha256, vectors } from "../../support/protocol-vectors";
+
+const CONSOLE = { width: 160, height: 210, palette: [] };
+const SCREEN_BYTES = 160 * 210;
 
 describe("a screen", () => {
   it("is refused when it has another size", () => {
     const small = zlibSync(new Uint8Array(100));
-    expect(() => new ScreenDecoder().apply(small, true)).toThrow("Expected 33600 pixels");
+    expect(() => new ScreenDecoder(CONSOLE).apply(small, true)).toThrow("Expected 33600 bytes");
   });
 
   it("is refused when its bytes are cut short", () => {
     const whole = zlibSync(new Uint8Array(SCREEN_BYTES));
-    expect(() => new ScreenDecoder().apply(whole.slice(0, 20), true)).toThrow(CodecError);
+    expect(() => new ScreenDecoder(CONSOLE).apply(whole.slice(0, 20), true)).toThrow(CodecError);
+  });
+
+  it("has three bytes a pixel where there is no palette, and any size", () => {
+    const format = { width: 7, height: 3, palette: null };
+    const decoder = new ScreenDecoder(format);
+    const colours = Uint8Array.from({ length: 63 }, (_, at) => at * 3);
+    decoder.apply(zlibSync(colours), true);
+    decoder.apply(zlibSync(new Uint8Array(63).fill(1)), false);
+    expect([...decoder.pixels]).toEqual([...colours].map((value) => value ^ 1));
+    expect(() => decoder.apply(zlibSync(new Uint8Array(64)), true)).toThrow("Expected 63 bytes");
   });
 
   it("survives coding, whichever screens are key frames", () => {
@@ -23,7 +36,7 @@ describe("a screen", () => {
       fc.property(
         fc.array(fc.tuple(screen, fc.boolean()), { minLength: 1, maxLength: 5 }),
         (all) => {
-          const decoder = new ScreenDecoder();
+          const decoder = new ScreenDecoder(CONSOLE);
           let before = new Uint8Array(SCREEN_BYTES);
           all.forEach(([part, wantsKey], index) => {
             const isKey = wantsKey || index === 0;

@@ -2,7 +2,9 @@ import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 import { type RefObject, useImperativeHandle, useRef } from "react";
 
-import { fixed, FRAME_RATE_HZ, FRAMES_PER_STEP, MAX_STEPS } from "@/lib/format";
+import type { TaughtGame } from "@/api/types";
+import { useGame } from "@/games/game";
+import { fixed } from "@/lib/format";
 
 import styles from "./Clock.module.css";
 
@@ -11,7 +13,7 @@ export interface ClockHandle {
   show: (frame: number, maxFrames: number) => void;
 }
 
-/** The time left of the game's 300 steps. */
+/** The time and the steps left of the game. */
 export function Clock({
   handle,
   also,
@@ -20,16 +22,17 @@ export function Clock({
   /** Another element that shows the seconds left. */
   also?: RefObject<HTMLElement | null>;
 }) {
+  const game = useGame();
   const left = useRef<HTMLSpanElement>(null);
   const step = useRef<HTMLSpanElement>(null);
   const bar = useRef<HTMLElement>(null);
   useImperativeHandle(handle, () => ({
     show: (frame, maxFrames) => {
       if (!left.current || !step.current || !bar.current) return;
-      const seconds = fixed((maxFrames - frame) / FRAME_RATE_HZ, 1);
+      const seconds = fixed((maxFrames - frame) / game.frame_rate_hz, 1);
       left.current.textContent = seconds;
       if (also?.current) also.current.textContent = seconds;
-      step.current.textContent = stepWords(frame);
+      step.current.textContent = stepWords(frame, game);
       bar.current.style.transform = `scaleX(${1 - frame / maxFrames})`;
     },
   }));
@@ -39,13 +42,13 @@ export function Clock({
         <span role="timer" aria-label={t`Time left`}>
           <Trans>
             <span className={styles.timeLeft} ref={left}>
-              {fixed((MAX_STEPS * FRAMES_PER_STEP) / FRAME_RATE_HZ, 1)}
+              {fixed((game.max_steps * game.frames_per_step) / game.frame_rate_hz, 1)}
             </span>{" "}
             s left
           </Trans>
         </span>
         <span className={styles.step} ref={step}>
-          {stepWords(0)}
+          {stepWords(0, game)}
         </span>
       </div>
       <div className={styles.bar}>
@@ -56,6 +59,6 @@ export function Clock({
 }
 
 /** Counts a step that has begun, as a recording's number of steps does. */
-function stepWords(frame: number): string {
-  return t`step ${Math.ceil(frame / FRAMES_PER_STEP)} of ${MAX_STEPS}`;
+function stepWords(frame: number, game: TaughtGame): string {
+  return t`step ${Math.ceil(frame / game.frames_per_step)} of ${game.max_steps}`;
 }

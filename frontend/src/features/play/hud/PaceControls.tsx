@@ -6,6 +6,7 @@ import { ControlKey } from "@/features/play/input/ControlKey";
 import { steers } from "@/features/play/input/intents";
 import type { GameState } from "@/features/play/stream/game-state";
 import { SPEEDS } from "@/features/play/stream/text-messages";
+import { useGame } from "@/games/game";
 import { percent } from "@/lib/format";
 
 import styles from "./PaceControls.module.css";
@@ -23,6 +24,7 @@ interface PaceControlsProps {
 
 /** Pause, single frames, rewind and slow motion. */
 export function PaceControls(props: PaceControlsProps) {
+  const { saves_states: canRewind } = useGame();
   const { phase, speed } = props.state;
   const isPaused = phase === "paused" || phase === "stepping";
   if (!steers(phase)) return null;
@@ -45,18 +47,20 @@ export function PaceControls(props: PaceControlsProps) {
             <Trans>Pause</Trans>
           </Button>
         )}
-        <Button
-          icon="undo"
-          title={t`Hold to rewind; release to play on from there`}
-          onPointerDown={(event) => {
-            event.currentTarget.setPointerCapture(event.pointerId);
-            props.onRewind();
-          }}
-          onLostPointerCapture={props.onRelease}
-          onContextMenu={(event) => event.preventDefault()}
-        >
-          <Trans>Rewind</Trans> <ControlKey control="rewind" />
-        </Button>
+        {canRewind && (
+          <Button
+            icon="undo"
+            title={t`Hold to rewind; release to play on from there`}
+            onPointerDown={(event) => {
+              event.currentTarget.setPointerCapture(event.pointerId);
+              props.onRewind();
+            }}
+            onLostPointerCapture={props.onRelease}
+            onContextMenu={(event) => event.preventDefault()}
+          >
+            <Trans>Rewind</Trans> <ControlKey control="rewind" />
+          </Button>
+        )}
         <Button onClick={props.onStop}>
           <Trans>End the game here</Trans>
         </Button>

@@ -1,19 +1,23 @@
 import { Trans } from "@lingui/react/macro";
 
 import type { Behaviour } from "@/api/types";
-import { AlienGrid } from "@/components/game/AlienGrid";
+import { ItemGrid } from "@/components/game/ItemGrid";
 import type { HitAt } from "@/features/play/stream/text-messages";
-import { gridState } from "@/lib/game/aliens";
+import { useGame } from "@/games/game";
+import { wordsOf } from "@/games/words";
+import { gridState } from "@/lib/game/items";
 
 import styles from "./Score.module.css";
 
-/** The hits so far, on and off target. */
+/** The items taken so far, on and off target; nothing for a game without items. */
 export function Score({ hits, behaviour }: { hits: readonly HitAt[]; behaviour: Behaviour }) {
+  const game = useGame();
+  if (!game.items) return null;
   const cells = hits.map(({ row, column }) => [row, column] as const);
-  const { hit, stray } = gridState(cells, behaviour.target);
+  const { hit, stray } = gridState(game.items, cells, behaviour.target);
   return (
     <div className={styles.score}>
-      <AlienGrid hits={cells} target={behaviour.target} scale={2} />
+      <ItemGrid hits={cells} target={behaviour.target} scale={2} />
       <dl>
         {behaviour.target ? (
           <>
@@ -37,9 +41,7 @@ export function Score({ hits, behaviour }: { hits: readonly HitAt[]; behaviour: 
           </>
         ) : (
           <div>
-            <dt>
-              <Trans>Aliens hit</Trans>
-            </dt>
+            <dt>{wordsOf(game).takenTitle()}</dt>
             <dd>{hits.length}</dd>
           </div>
         )}

@@ -1,10 +1,12 @@
 import { plural, t } from "@lingui/core/macro";
 import type { RefObject } from "react";
 
-import type { Behaviour } from "@/api/types";
+import type { Behaviour, TaughtGame } from "@/api/types";
 import type { HitAt } from "@/features/play/stream/text-messages";
-import { FRAME_RATE_HZ, FRAMES_PER_STEP, MAX_STEPS } from "@/lib/format";
-import { gridState } from "@/lib/game/aliens";
+import { useGame } from "@/games/game";
+import { wordsOf } from "@/games/words";
+import { fixed } from "@/lib/format";
+import { gridState, type ItemGridSize, takenCells } from "@/lib/game/items";
 
 import styles from "./StageHud.module.css";
 
@@ -17,19 +19,29 @@ interface StageHudProps {
 
 /** Time, targets and strays over the picture, where it fills the screen and hides all else. */
 export function StageHud({ time, hits, behaviour: { target } }: StageHudProps) {
-  const cells = hits.map(({ row, column }) => [row, column] as const);
-  const { hit, stray } = gridState(cells, target);
+  const game = useGame();
   return (
     // The same stands beside the picture, in words for screen readers.
     <div className={styles.hud} aria-hidden="true">
       <span>
-        <span ref={time}>{(MAX_STEPS * FRAMES_PER_STEP) / FRAME_RATE_HZ}.0</span> s
+        <span ref={time}>
+          {fixed((game.max_steps * game.frames_per_step) / game.frame_rate_hz, 1)}
+        </span>{" "}
+        s
       </span>
-      <span>
-        {target
-          ? t`${hit.length} of ${plural(target.length, { one: "# target", other: "# targets" })}, ${plural(stray.length, { one: "# stray", other: "# strays" })}`
-          : plural(hits.length, { one: "# alien hit", other: "# aliens hit" })}
-      </span>
+      {game.items && <span>{takenWords(game, game.items, hits, target)}</span>}
     </div>
   );
+}
+
+function takenWords(
+  game: TaughtGame,
+  size: ItemGridSize,
+  hits: readonly HitAt[],
+  target: Behaviour["target"],
+): string {
+  if (!target) return wordsOf(game).taken(hits.length);
+  const { hit, stray } = gridState(size, takenCells({ hits }), target);
+  const targets = plural(target.length, { one: "# target", other: "# targets" });
+  return t`${hit.length} of ${targets}, ${plural(stray.length, { one: "# stray", other: "# strays" })}`;
 }

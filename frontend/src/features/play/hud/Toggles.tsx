@@ -7,7 +7,7 @@ import { Button } from "@/components/controls/Button";
 import { SHOW_GHOST, SHOW_LATENCY, SHOW_TARGETS, SOUND } from "@/features/play/settings/settings";
 import { type Setting, useSetting } from "@/features/play/settings/stored";
 import { canSound } from "@/features/play/sound/use-sounds";
-import type { Marks } from "@/features/play/stage/marks";
+import type { Marks } from "@/games/view";
 import { recordingName } from "@/lib/recordings";
 import { playedBy, thingColour } from "@/lib/things";
 
@@ -87,7 +87,7 @@ function Legend({ target, ghost }: Marks) {
             <path d="M2.5 1.5h9v11h-9z" fill="none" stroke="var(--accent)" />
           </svg>
           <span>
-            <Trans>remaining target aliens</Trans>
+            <Trans>remaining targets</Trans>
           </span>
         </li>
       )}
@@ -102,7 +102,7 @@ function Legend({ target, ghost }: Marks) {
           </svg>
           <span>
             <Trans>
-              where the cannon was at this moment of the best demonstration,{" "}
+              the player at this moment of the best demonstration,{" "}
               <Link to={`/recordings/${ghost.recording_id}`}>
                 {recordingName({ id: ghost.recording_id })}
               </Link>

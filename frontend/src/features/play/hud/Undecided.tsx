@@ -6,7 +6,9 @@ import { undecidedQuery } from "@/api/recordings";
 import type { Behaviour } from "@/api/types";
 import { Notice } from "@/components/feedback/States";
 import { KeepOrDiscard } from "@/components/recording/KeepOrDiscard";
-import { describeScore, isUndecided, recordingName } from "@/lib/recordings";
+import { useGame } from "@/games/game";
+import { describeScore } from "@/games/outcomes";
+import { isUndecided, recordingName } from "@/lib/recordings";
 
 import styles from "./Undecided.module.css";
 
@@ -20,6 +22,7 @@ export function Undecided({
   behaviour: Behaviour;
   besides: number | undefined;
 }) {
+  const game = useGame();
   const { data = [] } = useQuery(undecidedQuery(behaviour.id));
   const waiting = data.filter((one) => isUndecided(one) && one.id !== besides);
   if (waiting.length === 0) return null;
@@ -40,7 +43,7 @@ export function Undecided({
           <div key={recording.id} className={styles.game}>
             <p>
               <Link to={`/recordings/${recording.id}`}>{recordingName(recording)}</Link>:{" "}
-              {describeScore(recording, behaviour.target?.length ?? null)}
+              {describeScore(recording, behaviour.target?.length ?? null, game)}
             </p>
             <KeepOrDiscard recording={recording} />
           </div>

@@ -1,11 +1,9 @@
-import { useSetting } from "@/features/play/settings/stored";
-
-import { type Control, KEYS, useKeyNames } from "./keys";
+import { type Control, useKeyMap, useKeyNames } from "./keys";
 
 /** The first key of a control, on a button with the same effect. */
 export function ControlKey({ control }: { control: Control }) {
-  const [keys] = useSetting(KEYS);
+  const [keys] = useKeyMap();
   const nameOf = useKeyNames();
-  const [code] = keys[control];
+  const code = keys[control]?.[0];
   return code === undefined ? null : <kbd>{nameOf(code)}</kbd>;
 }

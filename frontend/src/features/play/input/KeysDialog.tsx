@@ -4,35 +4,28 @@ import { useEffect, useState } from "react";
 
 import { Button } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
-import { useSetting } from "@/features/play/settings/stored";
+import { useGame } from "@/games/game";
 import { placeOf } from "@/lib/browser/keyboard";
 
 import {
   addKey,
   type Control,
-  CONTROLS,
-  DEFAULT_KEYS,
+  controlName,
+  controlsOf,
+  defaultKeys,
   isAssignable,
-  KEYS,
+  useKeyMap,
   useKeyNames,
   withoutKey,
 } from "./keys";
 import styles from "./KeysDialog.module.css";
 
-const controlNames = (): Readonly<Record<Control, string>> => ({
-  left: t`Left`,
-  right: t`Right`,
-  fire: t`Fire`,
-  rewind: t`Rewind`,
-  pause: t`Pause`,
-});
-
 /** Assigns keys to the controls. */
 export function KeysDialog({ onClose }: { onClose: () => void }) {
-  const [keys, setKeys] = useSetting(KEYS);
+  const game = useGame();
+  const [keys, setKeys] = useKeyMap();
   const [waiting, setWaiting] = useState<Control | null>(null);
   const nameOf = useKeyNames();
-  const [left, right, fire] = ["KeyA", "KeyD", "KeyW"].map(nameOf);
 
   useEffect(() => {
     if (!waiting) return undefined;
@@ -53,13 +46,13 @@ export function KeysDialog({ onClose }: { onClose: () => void }) {
   return (
     <Dialog title={t`Keys`} onClose={onClose}>
       <ul className={styles.bindings}>
-        {CONTROLS.map((control) => {
-          const name = controlNames()[control];
+        {controlsOf(game).map((control) => {
+          const name = controlName(control);
           return (
             <li key={control} aria-label={name}>
               <span>{name}</span>
               <span className={styles.codes}>
-                {keys[control].map((code) => (
+                {(keys[control] ?? []).map((code) => (
                   <Button
                     key={code}
                     kind="quiet"
@@ -84,14 +77,14 @@ export function KeysDialog({ onClose }: { onClose: () => void }) {
       </ul>
       <p className={styles.tip}>
         <Trans>
-          Either hand can play alone: the arrows with ↑ to fire, or {left} and {right} with {fire}.
-          Left and right together cancel out. Ctrl, Alt, ⌘ and Tab can’t be chosen. A gamepad in the
-          standard layout works too: stick or D-pad to move, any face button to fire, the shoulder
-          buttons to rewind, Start to begin, pause and play again.
+          They hold for every game with the same buttons. Opposite directions together cancel out.
+          Ctrl, Alt, ⌘ and Tab can’t be chosen. A gamepad in the standard layout works too: stick or
+          D-pad to move, any face button to fire, the shoulder buttons to rewind, Start to begin,
+          pause and play again.
         </Trans>
       </p>
       <div>
-        <Button onClick={() => setKeys(DEFAULT_KEYS)}>
+        <Button onClick={() => setKeys(defaultKeys(game))}>
           <Trans>Restore the default keys</Trans>
         </Button>
       </div>

@@ -4,7 +4,7 @@ import { SPEEDS } from "@/features/play/stream/text-messages";
 import { ofSigns, type Pressed } from "@/lib/browser/keyboard";
 
 import { PAD } from "./gamepad";
-import { type Control, controlOf, DEFAULT_KEYS, type KeyMap } from "./keys";
+import { type Control, controlOf, type KeyMap } from "./keys";
 
 export type Intent =
   | "start"
@@ -54,7 +54,7 @@ const AFTER_END: Readonly<Record<string, Intent>> = {
   r: "again",
 };
 
-const AFTER_END_BY_CONTROL: Readonly<Partial<Record<Control, Intent>>> = {
+const AFTER_END_BY_CONTROL: Readonly<Record<Control, Intent>> = {
   fire: "again",
   rewind: "rewind",
 };
@@ -103,7 +103,7 @@ export function intentOf(
   press: Press,
   phase: Phase | null,
   sinceEndMs: number,
-  keys: KeyMap = DEFAULT_KEYS,
+  keys: KeyMap,
 ): Intent | null {
   const intent = intentIn(press, phase, sinceEndMs, keys);
   // A held key steps frame by frame; no other intent repeats.

@@ -1,56 +1,68 @@
 /** The keys that control the game, by their position on the keyboard (`KeyboardEvent.code`). */
 
 import { t } from "@lingui/core/macro";
+import { useMemo } from "react";
 
-import type { Setting } from "@/features/play/settings/stored";
+import type { TaughtGame } from "@/api/types";
+import { type Setting, useSetting } from "@/features/play/settings/stored";
+import { buttonName } from "@/games/actions";
+import { useGame } from "@/games/game";
+import { capitalised } from "@/games/words";
 import { placeOf, type Pressed, useKeyLabels } from "@/lib/browser/keyboard";
 
-/** Bits of the play protocol's held keys. */
-export const LEFT = 1;
-export const RIGHT = 2;
-export const FIRE = 4;
+/** What the keys of a game depend on. */
+export type Keyed = Pick<TaughtGame, "buttons" | "default_keys" | "saves_states">;
 
-export const CONTROLS = ["left", "right", "fire", "rewind", "pause"] as const;
-/** What a key can be assigned to. */
-export type Control = (typeof CONTROLS)[number];
+/** What a key can be assigned to: a button of the game, "rewind" or "pause". */
+export type Control = string;
 /** The key codes of each control; no code is assigned twice. */
 export type KeyMap = Readonly<Record<Control, readonly string[]>>;
 
-/** Either hand can steer and fire alone: the arrows, or A, D and W. */
-export const DEFAULT_KEYS: KeyMap = {
-  left: ["ArrowLeft", "KeyA"],
-  right: ["ArrowRight", "KeyD"],
-  fire: ["Space", "ArrowUp", "KeyW"],
-  rewind: ["Backspace"],
-  pause: ["Escape"],
-};
+/** Returns what keys can be assigned to in a game. */
+export function controlsOf({ buttons, saves_states: canRewind }: Keyed): readonly Control[] {
+  return [...buttons, ...(canRewind ? ["rewind"] : []), "pause"];
+}
 
-const BITS: Readonly<Record<Control, number>> = {
-  left: LEFT,
-  right: RIGHT,
-  fire: FIRE,
-  rewind: 0,
-  pause: 0,
-};
+/** Names a control: "Left". */
+export function controlName(control: Control): string {
+  if (control === "rewind") return t`Rewind`;
+  return control === "pause" ? t`Pause` : capitalised(buttonName(control));
+}
 
-/**
- * Returns the control of a key; null if it has none. A key whose place has none may have the name of
+/** The keys of a game, unless the player has chosen others. */
+export function defaultKeys(game: Keyed): KeyMap {
+  const codes = Object.entries(game.default_keys);
+  const of = (button: string) => codes.filter(([, to]) => to === button).map(([code]) => code);
+  return {
+    ...Object.fromEntries(game.buttons.map((button) => [button, of(button)])),
+    ...(game.saves_states && { rewind: ["Backspace"] }),
+    pause: ["Escape"],
+  };
+}
+
+/** Returns the control of a key; null if it has none. A key whose place has none may have the name of
  * another place: the arrows of a numeric pad.
  */
 export function controlOf(keys: KeyMap, pressed: Pressed): Control | null {
-  const at = (code: string) => CONTROLS.find((control) => keys[control].includes(code));
+  const at = (code: string) =>
+    Object.keys(keys).find((control) => (keys[control] ?? []).includes(code));
   return at(placeOf(pressed)) ?? at(pressed.key) ?? null;
 }
 
 /** Returns the protocol bit of a key; 0 for none. */
-export function bitOf(keys: KeyMap, pressed: Pressed): number {
-  const control = controlOf(keys, pressed);
-  return control === null ? 0 : BITS[control];
+export function bitOf(buttons: readonly string[], keys: KeyMap, pressed: Pressed): number {
+  return buttonBit(buttons, controlOf(keys, pressed));
+}
+
+/** Returns the protocol bit of a button; 0 if the game has none of this name. */
+export function buttonBit(buttons: readonly string[], name: string | null): number {
+  const at = name === null ? -1 : buttons.indexOf(name);
+  return at < 0 ? 0 : 1 << at;
 }
 
 /** Whether a key must not scroll the page: it steers, or lies among those that do. */
-export function isGameKey(keys: KeyMap, pressed: Pressed): boolean {
-  return bitOf(keys, pressed) !== 0 || pressed.key === "ArrowDown";
+export function isGameKey(buttons: readonly string[], keys: KeyMap, pressed: Pressed): boolean {
+  return bitOf(buttons, keys, pressed) !== 0 || pressed.key.startsWith("Arrow");
 }
 
 /** Keys of which the browser or the system swallows something, or that change what others do. */
@@ -65,35 +77,50 @@ export function isAssignable(code: string): boolean {
 /** Assigns a key to a control, removing it from any other. */
 export function addKey(keys: KeyMap, control: Control, code: string): KeyMap {
   const without = withoutKey(keys, code);
-  return { ...without, [control]: [...without[control], code] };
+  return { ...without, [control]: [...(without[control] ?? []), code] };
 }
 
 /** Removes a key from its control. */
 export function withoutKey(keys: KeyMap, code: string): KeyMap {
-  const entries = CONTROLS.map((control) => [
+  const entries = Object.entries(keys).map(([control, codes]) => [
     control,
-    keys[control].filter((other) => other !== code),
+    codes.filter((other) => other !== code),
   ]);
   return Object.fromEntries(entries) as KeyMap;
 }
 
-/** Validates a stored key map; null if it is invalid. */
-export function readKeyMap(stored: unknown): KeyMap | null {
+/** Validates a stored key map of a game; null if it is invalid. */
+export function readKeyMap(stored: unknown, game: Keyed): KeyMap | null {
   if (typeof stored !== "object" || stored === null) return null;
-  const all = CONTROLS.map((control) => (stored as Record<string, unknown>)[control]);
+  const controls = controlsOf(game);
+  const all = controls.map((control) => (stored as Record<string, unknown>)[control]);
   const codes = all.flat();
   const isWhole =
     all.every(Array.isArray) &&
     codes.every((code) => typeof code === "string" && isAssignable(code)) &&
     new Set(codes).size === codes.length;
-  return isWhole ? (stored as KeyMap) : null;
+  if (!isWhole) return null;
+  return Object.fromEntries(controls.map((control, at) => [control, all[at]])) as KeyMap;
 }
 
-export const KEYS: Setting<KeyMap> = {
-  key: "tril.play.keys",
-  fallback: DEFAULT_KEYS,
-  read: readKeyMap,
-};
+/** What the key maps of the first version are stored for. */
+const FIRST_BUTTONS = "left,right,fire";
+
+/** The keys that the player has chosen for games with the buttons of this one. */
+export function keysSetting(game: Keyed): Setting<KeyMap> {
+  const buttons = game.buttons.join(",");
+  return {
+    key: buttons === FIRST_BUTTONS ? "tril.play.keys" : `tril.play.keys.${buttons}`,
+    fallback: defaultKeys(game),
+    read: (stored) => readKeyMap(stored, game),
+  };
+}
+
+/** Returns the keys of the page's game, and their setter. */
+export function useKeyMap(): readonly [KeyMap, (keys: KeyMap) => void] {
+  const game = useGame();
+  return useSetting(useMemo(() => keysSetting(game), [game]));
+}
 
 const names = (): Readonly<Record<string, string>> => ({
   ArrowLeft: "←",

@@ -1,6 +1,7 @@
 import { type RefObject, useEffect, useRef, useState } from "react";
 
 import type { GameStream } from "@/features/play/stream/game-stream";
+import { useGame } from "@/games/game";
 
 import { dialogIsOpen } from "./dialogs";
 import { newlyPressed, Pads, type PadState } from "./gamepad";
@@ -20,6 +21,7 @@ export function useGamepad(
   held: HeldKeys,
   onIntent: RefObject<(intent: Intent) => void>,
 ): void {
+  const { buttons } = useGame();
   // A button held since before the game does not count as pressed in it.
   const before = useRef<PadState | null>(null);
   const [pads] = useState(() => new Pads());
@@ -29,7 +31,7 @@ export function useGamepad(
     const sinceEnd = new SinceEnd();
     const look = () => {
       request = requestAnimationFrame(look);
-      const now = pads.read(document.hasFocus() ? navigator.getGamepads() : []);
+      const now = pads.read(document.hasFocus() ? navigator.getGamepads() : [], buttons);
       const last = before.current ?? now;
       before.current = now;
       const { phase, endedAt } = stream?.snapshot() ?? { phase: null, endedAt: 0 };
@@ -49,5 +51,5 @@ export function useGamepad(
       cancelAnimationFrame(request);
       if (held.release(NAME)) stream?.hold(held.bits);
     };
-  }, [stream, held, onIntent, pads]);
+  }, [stream, held, onIntent, pads, buttons]);
 }

@@ -2,11 +2,12 @@ import { type RefObject, useEffect } from "react";
 
 import { readSetting } from "@/features/play/settings/stored";
 import type { GameStream } from "@/features/play/stream/game-stream";
+import { useGame } from "@/games/game";
 import { ofSigns, placeOf, type Pressed } from "@/lib/browser/keyboard";
 
 import { dialogIsOpen } from "./dialogs";
 import { type Intent, intentOf, SinceEnd, steers } from "./intents";
-import { bitOf, controlOf, type HeldKeys, isGameKey, KEYS } from "./keys";
+import { bitOf, controlOf, type HeldKeys, isGameKey, keysSetting } from "./keys";
 
 const NO_GAME = { phase: null, endedAt: 0 };
 
@@ -30,7 +31,10 @@ export function useKeys(
   held: HeldKeys,
   onIntent: RefObject<(intent: Intent) => void>,
 ): void {
+  const game = useGame();
   useEffect(() => {
+    const { buttons } = game;
+    const setting = keysSetting(game);
     const sinceEnd = new SinceEnd();
     const down = (event: KeyboardEvent) => {
       // The page's help opens, which takes the keyboard.
@@ -41,8 +45,8 @@ export function useKeys(
       if (event.key === "Meta") releaseAll();
       if (event.ctrlKey || event.metaKey || event.altKey || isElsewhere(event.target)) return;
       const { phase, endedAt } = stream?.snapshot() ?? NO_GAME;
-      const keys = readSetting(KEYS);
-      const isForGame = isGameKey(keys, event);
+      const keys = readSetting(setting);
+      const isForGame = isGameKey(buttons, keys, event);
       const sinceEndMs = sinceEnd.atPress(endedAt, performance.now(), isForGame);
       const intent = intentOf(event, phase, sinceEndMs, keys);
       if (intent && !(isButton(event.target) && pressesButton(event))) {
@@ -52,7 +56,7 @@ export function useKeys(
         return;
       } else if (steers(phase) && isForGame) {
         event.preventDefault();
-        if (held.hold(placeOf(event), bitOf(keys, event))) {
+        if (held.hold(placeOf(event), bitOf(buttons, keys, event))) {
           stream.hold(held.bits, event.timeStamp);
         }
       } else if (phase === "ended" && event.repeat && isForGame) {
@@ -63,7 +67,7 @@ export function useKeys(
     const up = (event: KeyboardEvent) => {
       // While it is held, macOS does not tell of other keys that are let go.
       if (event.key === "Meta") releaseAll();
-      if (controlOf(readSetting(KEYS), event) === "rewind") stream?.release();
+      if (controlOf(readSetting(setting), event) === "rewind") stream?.release();
       if (held.release(placeOf(event))) stream?.hold(held.bits);
     };
     const releaseAll = () => {
@@ -79,7 +83,7 @@ export function useKeys(
       window.removeEventListener("keyup", up);
       for (const loss of LOSSES) window.removeEventListener(loss, releaseAll);
     };
-  }, [stream, held, onIntent]);
+  }, [stream, held, onIntent, game]);
 }
 
 /** Whether the keyboard belongs to a form control or an open dialog. */

@@ -30,9 +30,9 @@ export function useSounds(stream: GameStream | null, frames: FrameSource): void 
       before = now;
     });
     let isLive = false;
-    const unwatch = frames.watch(({ isShot }) => {
+    const unwatch = frames.watch(({ hasCounted }) => {
       // After the frame is acknowledged: a sound may be late, a frame may not.
-      if (isLive && isShot) queueMicrotask(() => sounds.play("shot"));
+      if (isLive && hasCounted) queueMicrotask(() => sounds.play("shot"));
     });
     isLive = true;
     return () => {

@@ -9,9 +9,10 @@ import type { Intent } from "@/features/play/input/intents";
 import { ControlKey } from "@/features/play/input/ControlKey";
 import { keyName } from "@/features/play/input/keys";
 import type { Ended } from "@/features/play/stream/text-messages";
+import { useGame } from "@/games/game";
+import { describeScore, endSentence } from "@/games/outcomes";
 import { stepOf } from "@/lib/recordings";
 
-import { endSentence, scoreSentence } from "./outcome-words";
 import { Overlay } from "./Overlay";
 import styles from "./Overlay.module.css";
 import { useDecision } from "./use-decision";
@@ -33,7 +34,8 @@ interface EndCardProps {
 
 /** How a game ended, with the choice to keep, mark, discard or replay it. */
 export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind }: EndCardProps) {
-  const empty = stepOf(ended.frame) === 0;
+  const game = useGame();
+  const empty = stepOf(ended.frame, game) === 0;
   const result = useDecision(behaviour.id, ended.recording_id, empty);
   const failed = ended.verification === "failed";
   const { decision, perfect, busy } = result;
@@ -61,7 +63,7 @@ export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind 
       else if (intent === "discard") result.discard();
       else if (intent === "perfect") togglePerfect();
       else if (intent === "again") again();
-      else if (intent === "rewind" && !failed && !empty) rewind();
+      else if (intent === "rewind" && game.saves_states && !failed && !empty) rewind();
     },
   }));
 
@@ -69,12 +71,12 @@ export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind 
     <Overlay>
       <div role="status" aria-live="polite">
         <p className={styles.big} style={{ color: "inherit" }}>
-          {empty ? t`Nothing was played` : endSentence(ended)}
+          {empty ? t`Nothing was played` : endSentence(ended, game)}
         </p>
         <p>
           {empty
             ? t`The game ended before its first step, so there is nothing to keep.`
-            : scoreSentence(ended, behaviour)}
+            : describeScore(ended, behaviour.target?.length ?? null, game)}
         </p>
         {failed && (
           <p>
@@ -113,7 +115,7 @@ export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind 
             </Button>
           </>
         )}
-        {!empty && (
+        {!empty && game.saves_states && (
           <Button
             icon="undo"
             onClick={rewind}

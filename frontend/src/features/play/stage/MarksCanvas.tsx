@@ -1,11 +1,13 @@
 import { useEffect, useRef } from "react";
 
 import type { GameStream } from "@/features/play/stream/game-stream";
+import { viewOf } from "@/games/views";
+import { useGame } from "@/games/game";
+import type { Marks, MarksPainter, Overlay } from "@/games/view";
 import { resolveColour } from "@/lib/browser/css-colour";
 import type { ScreenSize } from "@/lib/game/use-screen-size";
 import { playedBy, thingColour } from "@/lib/things";
 
-import { type Marks, MarksPainter } from "./marks";
 import styles from "./MarksCanvas.module.css";
 import type { FrameSource } from "./use-screen";
 
@@ -17,30 +19,31 @@ interface MarksCanvasProps extends Marks {
 
 /** Draws the marks over the game's screen, frame by frame and outside React. Decorative. */
 export function MarksCanvas({ size, stream, frames, target, ghost }: MarksCanvasProps) {
+  const { name, width, height } = useGame();
   const ref = useRef<HTMLCanvasElement>(null);
   useEffect(() => {
     const canvas = ref.current;
     const stage = canvas?.parentElement;
     if (!canvas || !stage) return undefined;
-    const painter = new MarksPainter(
-      canvas,
-      { target, ghost },
-      {
-        target: resolveColour("var(--accent)", stage),
-        ghost: resolveColour(thingColour(playedBy(ghost?.source ?? "person")), stage),
-      },
-    );
+    const colours = {
+      target: resolveColour("var(--accent)", stage),
+      ghost: resolveColour(thingColour(playedBy(ghost?.source ?? "person")), stage),
+    };
+    const make = (overlay: Overlay | null) =>
+      overlay && viewOf(name)?.marksPainter(canvas, { target, ghost }, colours, overlay);
+    let painter: MarksPainter | null | undefined = null;
     return frames.watch((info) => {
-      if (stream.aliens) painter.show(info, stream.snapshot().hits, stream.aliens);
+      painter ??= make(stream.overlay);
+      painter?.show(info, stream.snapshot().hits);
     });
-  }, [stream, frames, target, ghost]);
+  }, [name, stream, frames, target, ghost]);
   return (
     <canvas
       ref={ref}
       className={styles.marks}
       aria-hidden="true"
-      width={160}
-      height={210}
+      width={width}
+      height={height}
       style={{ width: size.width, height: size.height }}
     />
   );

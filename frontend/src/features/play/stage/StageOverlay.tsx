@@ -3,10 +3,13 @@ import { Trans } from "@lingui/react/macro";
 
 import type { Behaviour } from "@/api/types";
 import { Button } from "@/components/controls/Button";
-import { AlienGrid } from "@/components/game/AlienGrid";
+import { ItemGrid } from "@/components/game/ItemGrid";
 import type { GameState } from "@/features/play/stream/game-state";
 
 import { keyName } from "@/features/play/input/keys";
+import { useGame } from "@/games/game";
+import { seconds } from "@/lib/format";
+
 import { Overlay } from "./Overlay";
 import styles from "./Overlay.module.css";
 
@@ -23,14 +26,17 @@ interface StageOverlayProps {
 
 /** The overlay on the screen while the game is not being played; for the end see EndCard. */
 export function StageOverlay(props: StageOverlayProps) {
+  const game = useGame();
   const { state, target, starting, error, onStart, onResume, onStep, onTakeBack } = props;
   if (!state || state.phase === "gone") {
     const gone = state?.phase === "gone";
     return (
       <Overlay opaque>
-        {!gone && <AlienGrid target={target} scale={2} label="" />}
+        {!gone && <ItemGrid target={target} scale={2} label="" />}
         <span className={styles.big}>
-          {gone ? t`This game is over` : t`Twenty seconds, one life`}
+          {gone
+            ? t`This game is over`
+            : t`${game.title}: up to ${seconds((game.max_steps * game.frames_per_step) / game.frame_rate_hz, 0)}`}
         </span>
         <p>
           {error ??

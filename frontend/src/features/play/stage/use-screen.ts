@@ -1,8 +1,9 @@
 import { type RefObject, useCallback, useMemo, useRef } from "react";
 
 import type { ClockHandle } from "@/features/play/hud/Clock";
-import type { GameScreen, FrameInfo } from "@/features/play/stream/game-stream";
-import type { Palette, ScreenPainter } from "@/lib/game/screen";
+import type { GameScreen } from "@/features/play/stream/game-stream";
+import type { FrameInfo } from "@/games/view";
+import type { ScreenFormat, ScreenPainter } from "@/lib/game/screen";
 
 type Watcher = (info: FrameInfo) => void;
 
@@ -15,14 +16,14 @@ export interface FrameSource {
 /** Shows frames on the canvas and the clock, and notifies watchers. */
 export function useScreen(clock: RefObject<ClockHandle | null>) {
   const painter = useRef<ScreenPainter | null>(null);
-  const palette = useRef<Palette | null>(null);
+  const format = useRef<ScreenFormat | null>(null);
   const last = useRef<FrameInfo | null>(null);
   const watchers = useRef(new Set<Watcher>());
   const screen = useMemo<GameScreen>(
     () => ({
-      setPalette: (colours) => {
-        palette.current = colours;
-        painter.current?.setPalette(colours);
+      setFormat: (sent) => {
+        format.current = sent;
+        painter.current?.setFormat(sent);
       },
       show: (pixels, info, maxFrames) => {
         painter.current?.draw(pixels);
@@ -45,7 +46,7 @@ export function useScreen(clock: RefObject<ClockHandle | null>) {
   );
   const setPainter = useCallback((ready: ScreenPainter) => {
     painter.current = ready;
-    if (palette.current) ready.setPalette(palette.current);
+    if (format.current) ready.setFormat(format.current);
   }, []);
   return { screen, frames, setPainter };
 }

@@ -1,29 +1,22 @@
 /** The binary messages of the play protocol (docs/protocol.md): frames, inputs, acknowledgements. */
+import type { FrameInfo } from "@/games/view";
 import { CodecError } from "@/lib/game/codec";
-
-import type { Formation } from "./formation";
 
 const FRAME_TYPE = 1;
 const FRAME_HEADER_BYTES = 16;
 const KEY_FRAME_FLAG = 1;
-const SHOT_FLAG = 2;
-/** Added to the formation's left edge, which can lie left of the screen, to make it unsigned. */
-const LEFT_BIAS = 96;
+const COUNTED_FLAG = 2;
+const MARKS_AT = 2;
+const MARKS_BYTES = 2;
 const INPUT_TYPE = 1;
 const ACK_TYPE = 2;
 
-export interface FrameMessage {
+export interface FrameMessage extends FrameInfo {
   readonly isKey: boolean;
   /** Counts from 1 within a connection. */
   readonly sequence: number;
-  /** The game's frame; 0 is the start's screen. */
-  readonly frame: number;
   /** The newest input that the game had executed by this frame. */
   readonly inputSequence: number;
-  /** The position of the aliens on this screen. */
-  readonly formation: Formation;
-  /** Whether a missile was fired since the previous screen. */
-  readonly isShot: boolean;
   readonly payload: Uint8Array;
 }
 
@@ -42,8 +35,8 @@ export function readFrame(message: ArrayBuffer): FrameMessage {
   const flags = view.getUint8(1);
   return {
     isKey: (flags & KEY_FRAME_FLAG) !== 0,
-    isShot: (flags & SHOT_FLAG) !== 0,
-    formation: { left: view.getUint8(2) - LEFT_BIAS, top: view.getUint8(3) },
+    hasCounted: (flags & COUNTED_FLAG) !== 0,
+    marks: new Uint8Array(message, MARKS_AT, MARKS_BYTES),
     sequence: view.getUint32(4, true),
     frame: view.getUint32(8, true),
     inputSequence: view.getUint32(12, true),
@@ -51,12 +44,13 @@ export function readFrame(message: ArrayBuffer): FrameMessage {
   };
 }
 
-/** Writes an INPUT message: the keys currently held. */
-export function writeInput(keys: number, inputSequence: number): ArrayBuffer {
+/** Writes an INPUT message: the buttons currently held, as bits. */
+export function writeInput(buttons: number, inputSequence: number): ArrayBuffer {
   const message = new ArrayBuffer(8);
   const view = new DataView(message);
   view.setUint8(0, INPUT_TYPE);
-  view.setUint8(1, keys);
+  view.setUint8(1, buttons & 0xff);
+  view.setUint16(2, buttons >>> 8, true);
   view.setUint32(4, inputSequence, true);
   return message;
 }

@@ -37,6 +37,6 @@ export interface GameState {
   readonly ended: Ended | null;
   /** When the game ended, by `performance.now()`. */
   readonly endedAt: number;
-  /** Percent of 60 frames per second. */
+  /** Percent of the game's own rate. */
   readonly speed: number;
 }

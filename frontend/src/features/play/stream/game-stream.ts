@@ -1,13 +1,13 @@
 /** The connection of one game: its state, its frames, and what is sent to the server. */
 import { t } from "@lingui/core/macro";
 
+import type { FrameInfo, Overlay } from "@/games/view";
 import { seconds } from "@/lib/format";
 import { ScreenDecoder } from "@/lib/game/codec";
-import type { Palette } from "@/lib/game/screen";
+import type { ScreenFormat } from "@/lib/game/screen";
 import { SilenceWatch } from "@/lib/browser/silence";
 
-import { type FrameMessage, readFrame, writeAck, writeInput } from "./binary-messages";
-import { type AlienGeometry, alienGeometry } from "./formation";
+import { readFrame, writeAck, writeInput } from "./binary-messages";
 import type { GameState, Phase } from "./game-state";
 import { LatencyMeter, type LatencySummary } from "./latency";
 import {
@@ -19,18 +19,14 @@ import {
   SPEEDS,
 } from "./text-messages";
 
-/** What a frame carries besides its screen. */
-export type FrameInfo = Pick<FrameMessage, "frame" | "formation" | "isShot">;
-
 /** Shows the frames; called for each of them, outside React. */
 export interface GameScreen {
-  setPalette(palette: Palette): void;
-  /** @param pixels Palette values, valid only during the call. */
+  setFormat(format: ScreenFormat): void;
+  /** @param pixels Palette indices or colours, valid only during the call. */
   show(pixels: Uint8Array, info: FrameInfo, maxFrames: number): void;
 }
 
 const RETRY_MS = [250, 500, 1000, 2000, 4000] as const;
-const MAX_FRAMES = 1200;
 const REWINDABLE: ReadonlySet<Phase> = new Set(["countdown", "playing", "paused", "stepping"]);
 const RUNNING: ReadonlySet<Phase> = new Set(["countdown", "playing", "rewinding"]);
 const FULL_SPEED: number = SPEEDS[0];
@@ -42,12 +38,12 @@ export class GameStream {
   private readonly url: string;
   private readonly screen: GameScreen;
   private socket: WebSocket | null = null;
-  private decoder = new ScreenDecoder();
+  private decoder: ScreenDecoder | null = null;
   private readonly latency = new LatencyMeter();
   private keys = 0;
   private inputSequence = 0;
-  private maxFrames = MAX_FRAMES;
-  private geometry: AlienGeometry | null = null;
+  private maxFrames = 0;
+  private drawn: Overlay | null = null;
   private failures = 0;
   private timer: ReturnType<typeof setTimeout> | null = null;
   /** Why the game stands still; null if it goes on when a broken connection is back. */
@@ -59,7 +55,7 @@ export class GameStream {
     onJump: (gapMs) => this.onJump(gapMs),
   });
 
-  /** @param speed Percent of 60 frames per second to start a new game at. */
+  /** @param speed Percent of the game's own rate to start a new game at. */
   constructor(url: string, screen: GameScreen, speed = FULL_SPEED) {
     this.url = url;
     this.screen = screen;
@@ -87,7 +83,7 @@ export class GameStream {
     const socket = new WebSocket(this.url);
     socket.binaryType = "arraybuffer";
     this.socket = socket;
-    this.decoder = new ScreenDecoder();
+    this.decoder = null;
     this.silence.start(HANDSHAKE_MS * Math.min(this.failures + 1, MOST_PATIENCE));
     socket.addEventListener("message", ({ data }: MessageEvent<ArrayBuffer | string>) => {
       // A connection that was given up may come back to life.
@@ -117,9 +113,9 @@ export class GameStream {
     if (pressed && timed) this.latency.press(this.inputSequence, atMs);
   }
 
-  /** The layout of the grid of aliens; null until the server has sent it. */
-  get aliens(): AlienGeometry | null {
-    return this.geometry;
+  /** What may be drawn over the screens; null until the server has named something. */
+  get overlay(): Overlay | null {
+    return this.drawn;
   }
 
   /** Input latency and dropped frames so far. */
@@ -177,6 +173,7 @@ export class GameStream {
 
   private onFrame(socket: WebSocket, data: ArrayBuffer): void {
     const message = readFrame(data);
+    if (!this.decoder) throw new Error("A frame came before the greeting.");
     this.decoder.apply(message.payload, message.isKey);
     this.screen.show(this.decoder.pixels, message, this.maxFrames);
     if (this.state.phase === "rewinding") this.takeBackHits(message.frame);
@@ -199,8 +196,9 @@ export class GameStream {
         this.failures = 0;
         this.latency.forget();
         this.maxFrames = message.max_frames;
-        this.geometry = alienGeometry(message.overlay);
-        this.screen.setPalette(message.palette);
+        this.drawn = message.overlay;
+        this.decoder = new ScreenDecoder(message);
+        this.screen.setFormat(message);
         if (message.frame === 0) this.keepSpeed(message.speed_percent);
         else this.update({ speed: message.speed_percent });
         this.update({ hits: message.hits });

@@ -1,7 +1,6 @@
 /** The text messages of the play protocol (docs/protocol.md). */
-import type { Palette } from "@/lib/game/screen";
-
-import type { Overlay } from "./formation";
+import type { Overlay } from "@/games/view";
+import type { ScreenFormat } from "@/lib/game/screen";
 
 export interface HitAt {
   readonly row: number;
@@ -10,9 +9,8 @@ export interface HitAt {
   readonly on_target: boolean | null;
 }
 
-interface Hello {
+interface Hello extends ScreenFormat {
   readonly type: "hello";
-  readonly palette: Palette;
   readonly max_frames: number;
   readonly frame: number;
   readonly resumed: boolean;
@@ -69,7 +67,7 @@ export type ServerMessage =
   Hello | Countdown | HitMessage | Paused | Rewound | Ended | TakenOver | Alive;
 export type Command = "ready" | "stop" | "pause" | "go_on" | "step" | "rewind" | "release";
 
-/** Percent of 60 frames per second, fastest first. */
+/** Percent of the game's own rate, fastest first. */
 export const SPEEDS = [100, 75, 50, 25] as const;
 
 /** How long a server may be silent, so that the page says within 3 s that it is. */

@@ -2,6 +2,8 @@ import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 import { type RefObject, useImperativeHandle, useRef } from "react";
 
+import { actionName, actionsInOrder } from "@/games/actions";
+import { useGame } from "@/games/game";
 import { fixed, NONE, percent, withDeviation } from "@/lib/format";
 
 import styles from "./DecisionBars.module.css";
@@ -13,26 +15,17 @@ export interface DecisionHandle {
   reward: (reward: number, deviation: number | null) => void;
 }
 
-/** The actions from left to right, by their number. */
-const actions = () =>
-  [
-    { action: 3, name: t`left` },
-    { action: 5, name: t`left, fire` },
-    { action: 0, name: t`wait` },
-    { action: 1, name: t`fire` },
-    { action: 2, name: t`right` },
-    { action: 4, name: t`right, fire` },
-  ] as const;
-
 /** How likely the policy finds each action of the next step, and what the reward model says. */
 export function DecisionBars({ handle }: { handle: RefObject<DecisionHandle | null> }) {
+  const game = useGame();
+  const actions = actionsInOrder(game);
   const list = useRef<HTMLOListElement>(null);
   const figure = useRef<HTMLElement>(null);
   useImperativeHandle(handle, () => ({
     decide: ({ action, probabilities }) => {
       for (const [at, row] of [...(list.current?.children ?? [])].entries()) {
-        const share = probabilities[actions()[at]?.action ?? 0] ?? 0;
-        row.toggleAttribute("data-chosen", actions()[at]?.action === action);
+        const share = probabilities[actions[at] ?? 0] ?? 0;
+        row.toggleAttribute("data-chosen", actions[at] === action);
         row.querySelector("i")?.style.setProperty("transform", `scaleX(${share})`);
         const text = row.querySelector("output");
         if (text) text.textContent = percent(share, 0);
@@ -45,9 +38,9 @@ export function DecisionBars({ handle }: { handle: RefObject<DecisionHandle | nu
   return (
     <div className={styles.decisions}>
       <ol ref={list} aria-label={t`Probability of each action of the next step`}>
-        {actions().map(({ action, name }) => (
+        {actions.map((action) => (
           <li key={action}>
-            <span>{name}</span>
+            <span>{actionName(action, game)}</span>
             <span className={styles.bar}>
               <i />
             </span>

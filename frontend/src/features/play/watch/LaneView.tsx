@@ -9,9 +9,10 @@ import { Button, IconButton } from "@/components/controls/Button";
 import { GameCanvas } from "@/components/game/GameCanvas";
 import { ThingMark } from "@/components/game/ThingMark";
 import { Score } from "@/features/play/hud/Score";
-import { endSentence, scoreSentence } from "@/features/play/stage/outcome-words";
+import { useGame } from "@/games/game";
+import { describeScore, endSentence } from "@/games/outcomes";
 import { classes } from "@/lib/classes";
-import type { Palette, ScreenPainter } from "@/lib/game/screen";
+import type { ScreenFormat, ScreenPainter } from "@/lib/game/screen";
 import { type ScreenSize, useFittingScreenSize } from "@/lib/game/use-screen-size";
 import { thingNames, thingColour } from "@/lib/things";
 
@@ -46,22 +47,23 @@ interface LaneViewProps {
 /** One of the games that are watched: its screen, its score, and what its policy does next. */
 export function LaneView(props: LaneViewProps) {
   const { lane, nLanes, player, behaviour, state, relay, onFrame, heightFor } = props;
+  const game = useGame();
   const stage = useRef<HTMLDivElement>(null);
   const painter = useRef<ScreenPainter | null>(null);
-  const palette = useRef<Palette | null>(null);
+  const format = useRef<ScreenFormat | null>(null);
   const decisions = useRef<DecisionHandle>(null);
-  const size = useFittingScreenSize(stage, heightFor);
+  const size = useFittingScreenSize(stage, heightFor, game);
   const [shown, setShown] = useState<LaneAttention | null>(null);
   const setPainter = useCallback((ready: ScreenPainter) => {
     painter.current = ready;
-    if (palette.current) ready.setPalette(palette.current);
+    if (format.current) ready.setFormat(format.current);
   }, []);
   useEffect(
     () =>
       relay.attach({
-        setPalette: (colours) => {
-          palette.current = colours;
-          painter.current?.setPalette(colours);
+        setFormat: (sent) => {
+          format.current = sent;
+          painter.current?.setFormat(sent);
         },
         show: (pixels, { frame }, maxFrames) => {
           painter.current?.draw(pixels);
@@ -122,8 +124,8 @@ export function LaneView(props: LaneViewProps) {
           )}
           {ended && (
             <div className={styles.ended} role="status">
-              <b>{endSentence(ended)}</b>
-              <span>{scoreSentence(ended, behaviour)}</span>
+              <b>{endSentence(ended, game)}</b>
+              <span>{describeScore(ended, behaviour.target?.length ?? null, game)}</span>
             </div>
           )}
         </div>

@@ -3,14 +3,15 @@ import { Plural, Trans } from "@lingui/react/macro";
 import { type RefObject, useCallback, useEffect, useRef, useState } from "react";
 import { Link, useNavigate, useSearchParams } from "react-router";
 
-import type { Behaviour, Run } from "@/api/types";
+import type { Behaviour, Run, TaughtGame } from "@/api/types";
 import { OPACITY } from "@/components/attention/AttentionKey";
 import { Button } from "@/components/controls/Button";
 import { Notice } from "@/components/feedback/States";
 import type { ClockHandle } from "@/features/play/hud/Clock";
 import { dialogIsOpen } from "@/features/play/input/dialogs";
-import { rememberGame } from "@/features/play/stream/use-game";
-import { FRAME_RATE_HZ, seconds } from "@/lib/format";
+import { rememberGame } from "@/features/play/stream/use-played-game";
+import { useGame } from "@/games/game";
+import { seconds } from "@/lib/format";
 import { runName } from "@/lib/runs";
 
 import {
@@ -40,6 +41,7 @@ const heightOfTwoRows = (windowHeight: number) =>
 
 /** Watches policies of a run play, up to four side by side on the same start. */
 export function WatchPage({ run, behaviour }: { run: Run; behaviour: Behaviour }) {
+  const game = useGame();
   const [search, setSearch] = useSearchParams();
   const choice = readChoice(search);
   const { players } = choice;
@@ -72,7 +74,7 @@ export function WatchPage({ run, behaviour }: { run: Run; behaviour: Behaviour }
             <Link to={`/runs/${run.id}`}>{runName(run)}</Link> plays
           </Trans>
         </h2>
-        <p>{describeBeginning(choice, state)}</p>
+        <p>{describeBeginning(choice, state, game)}</p>
       </div>
       <Transport
         state={state}
@@ -131,8 +133,8 @@ export function WatchPage({ run, behaviour }: { run: Run; behaviour: Behaviour }
       )}
       <p className={styles.hint}>
         <Trans>
-          All games begin at the same start and keep in step. A step is four frames, one decision of
-          a policy. Sampled and sticky games differ after a restart; at first they are those of the
+          All games begin at the same start and keep in step. A step is one decision of a policy.
+          Sampled and sticky games differ after a restart; at first they are those of the
           run&rsquo;s evaluation. What you only watch is not kept. If you take over, the game goes
           on after a countdown with the keys you hold, and the whole of it becomes your recording.
         </Trans>
@@ -195,11 +197,11 @@ function Situation({ state, onAgain }: { state: WatchState | null; onAgain: () =
   }
 }
 
-function describeBeginning({ start }: Choice, state: WatchState | null): string {
+function describeBeginning({ start }: Choice, state: WatchState | null, game: TaughtGame): string {
   const where = start === null ? t`A start that no evaluation uses` : t`Evaluation start ${start}`;
   const opening = state?.openingFrames ?? 0;
   if (opening === 0) return where;
-  return t`${where}, after an opening of ${seconds(opening / FRAME_RATE_HZ)}`;
+  return t`${where}, after an opening of ${seconds(opening / game.frame_rate_hz)}`;
 }
 
 function control(stream: WatchStream, intent: WatchIntent): void {

@@ -9,19 +9,19 @@ const NOTHING = () => () => undefined;
 /** Passes what a lane's stream shows on to the lane's view, which may mount later. */
 export class LaneRelay implements LaneScreen {
   view: LaneScreen | null = null;
-  private palette: Parameters<LaneScreen["setPalette"]> | null = null;
+  private format: Parameters<LaneScreen["setFormat"]> | null = null;
 
   attach(view: LaneScreen): () => void {
     this.view = view;
-    if (this.palette) view.setPalette(...this.palette);
+    if (this.format) view.setFormat(...this.format);
     return () => {
       if (this.view === view) this.view = null;
     };
   }
 
-  readonly setPalette = (...palette: Parameters<LaneScreen["setPalette"]>): void => {
-    this.palette = palette;
-    this.view?.setPalette(...palette);
+  readonly setFormat = (...format: Parameters<LaneScreen["setFormat"]>): void => {
+    this.format = format;
+    this.view?.setFormat(...format);
   };
 
   readonly show = (...frame: Parameters<LaneScreen["show"]>): void => this.view?.show(...frame);

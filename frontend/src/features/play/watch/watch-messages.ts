@@ -1,11 +1,10 @@
 /** The messages of a page that watches (docs/protocol.md). */
-import type { Overlay } from "@/features/play/stream/formation";
 import type { HitAt } from "@/features/play/stream/text-messages";
-import type { Palette } from "@/lib/game/screen";
+import type { Overlay } from "@/games/view";
+import type { ScreenFormat } from "@/lib/game/screen";
 
-interface WatchHello {
+interface WatchHello extends ScreenFormat {
   readonly type: "hello";
-  readonly palette: Palette;
   readonly max_frames: number;
   /** The frame that the policies begin at, after an opening. */
   readonly frame: number;

@@ -1,6 +1,5 @@
 /** The connection of a page that watches: its state, and the frames of each lane. */
 import { readFrame, writeAck } from "@/features/play/stream/binary-messages";
-import type { FrameInfo } from "@/features/play/stream/game-stream";
 import {
   CLOSE,
   HANDSHAKE_MS,
@@ -8,8 +7,9 @@ import {
   SILENCE_MS,
   SPEEDS,
 } from "@/features/play/stream/text-messages";
+import type { FrameInfo } from "@/games/view";
 import { ScreenDecoder } from "@/lib/game/codec";
-import type { Palette } from "@/lib/game/screen";
+import type { ScreenFormat } from "@/lib/game/screen";
 import { SilenceWatch } from "@/lib/browser/silence";
 
 import type { LookingNetwork } from "./choice";
@@ -44,7 +44,7 @@ export interface WatchState {
   readonly phase: WatchPhase;
   /** Why the games are paused or refused; empty if the person paused them. */
   readonly why: string;
-  /** Percent of 60 frames per second. */
+  /** Percent of the game's own rate. */
   readonly speed: number;
   readonly lanes: readonly LaneState[];
   /** Frames of the opening that was played before the policies began. */
@@ -54,8 +54,8 @@ export interface WatchState {
 
 /** Shows what changes with every frame or step; called outside React. */
 export interface LaneScreen {
-  setPalette: (palette: Palette) => void;
-  /** @param pixels Palette values, valid only during the call. */
+  setFormat: (format: ScreenFormat) => void;
+  /** @param pixels Palette indices or colours, valid only during the call. */
   show: (pixels: Uint8Array, info: FrameInfo, maxFrames: number) => void;
   decide: (decision: Decision) => void;
   reward: (reward: number, deviation: number | null) => void;
@@ -68,7 +68,7 @@ const NEW_LANE: LaneState = { hits: [], ended: null };
 export class WatchStream {
   private state: WatchState;
   private readonly listeners = new Set<() => void>();
-  private readonly decoders: readonly ScreenDecoder[];
+  private decoders: readonly ScreenDecoder[] = [];
   private readonly url: string;
   private readonly screens: readonly LaneScreen[];
   private socket: WebSocket | null = null;
@@ -83,7 +83,6 @@ export class WatchStream {
   constructor(url: string, screens: readonly LaneScreen[], speed = FULL_SPEED) {
     this.url = url;
     this.screens = screens;
-    this.decoders = screens.map(() => new ScreenDecoder());
     this.state = {
       phase: "connecting",
       why: "",
@@ -123,7 +122,7 @@ export class WatchStream {
     });
   }
 
-  /** Plays, pauses, or plays one step of four frames. */
+  /** Plays, pauses, or plays one step. */
   command(type: "play" | "pause" | "step"): void {
     this.send({ type });
   }
@@ -190,7 +189,8 @@ export class WatchStream {
     switch (message.type) {
       case "hello":
         this.maxFrames = message.max_frames;
-        for (const screen of this.screens) screen.setPalette(message.palette);
+        this.decoders = this.screens.map(() => new ScreenDecoder(message));
+        for (const screen of this.screens) screen.setFormat(message);
         this.update({ openingFrames: message.frame });
         if (message.speed_percent !== this.state.speed) {
           this.send({ type: "speed", percent: this.state.speed });

@@ -6,12 +6,15 @@ import type { Behaviour, Recording } from "@/api/types";
 import { IconButton } from "@/components/controls/Button";
 import { Icon } from "@/components/controls/Icon";
 import { Badge } from "@/components/feedback/Badge";
-import { AlienGrid } from "@/components/game/AlienGrid";
+import { ItemGrid } from "@/components/game/ItemGrid";
 import { RecordingScreen, useHover } from "@/components/recording/RecordingScreen";
 import { SourceBadge } from "@/components/recording/SourceBadge";
 import { RunName } from "@/components/RunName";
+import { useGame } from "@/games/game";
+import { describeCourse, describeScore } from "@/games/outcomes";
 import { classes } from "@/lib/classes";
-import { describeCourse, hitCells, recordingName, describeScore } from "@/lib/recordings";
+import { takenCells } from "@/lib/game/items";
+import { recordingName } from "@/lib/recordings";
 
 import { useDragItem } from "./DragBoard";
 import styles from "./RankCard.module.css";
@@ -120,9 +123,10 @@ function Facts({
   behaviour: Behaviour;
   children?: ReactNode;
 }): ReactNode {
+  const game = useGame();
   return (
     <>
-      <AlienGrid hits={hitCells(recording)} target={behaviour.target} label="" />
+      <ItemGrid hits={takenCells(recording)} target={behaviour.target} label="" />
       <div className={styles.words}>
         <div className={styles.title}>
           {children}
@@ -130,8 +134,8 @@ function Facts({
           <SourceBadge recording={recording} />
           {recording.borrowed && <Origin recording={recording} />}
         </div>
-        <span>{describeScore(recording, behaviour.target?.length ?? null)}</span>
-        <span className={styles.quiet}>{describeCourse(recording)}</span>
+        <span>{describeScore(recording, behaviour.target?.length ?? null, game)}</span>
+        <span className={styles.quiet}>{describeCourse(recording, game)}</span>
       </div>
     </>
   );

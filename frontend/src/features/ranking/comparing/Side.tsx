@@ -4,14 +4,17 @@ import { useEffect, useRef, useState } from "react";
 
 import type { Behaviour, Recording } from "@/api/types";
 import { Failed } from "@/components/feedback/States";
-import { AlienGrid } from "@/components/game/AlienGrid";
+import { ItemGrid } from "@/components/game/ItemGrid";
 import { GameCanvas } from "@/components/game/GameCanvas";
 import { SourceBadge } from "@/components/recording/SourceBadge";
+import { useGame } from "@/games/game";
+import { describeCourse, describeScore } from "@/games/outcomes";
 import type { RecordedFrames } from "@/lib/game/codec";
+import { takenCells } from "@/lib/game/items";
 import type { Playback } from "@/lib/game/playback";
 import type { ScreenPainter } from "@/lib/game/screen";
 import { type ScreenSize, useFittingScreenSize } from "@/lib/game/use-screen-size";
-import { describeCourse, describeScore, hitCells, recordingName } from "@/lib/recordings";
+import { recordingName } from "@/lib/recordings";
 
 import styles from "./Side.module.css";
 import type { Screens } from "./use-playback-in-step";
@@ -29,14 +32,15 @@ interface SideProps {
 
 /** One of two compared games: what it is, and its screen. */
 export function Side({ recording, behaviour, part, screens, playback, screenHeight }: SideProps) {
+  const game = useGame();
   const stage = useRef<HTMLDivElement>(null);
-  const size = useFittingScreenSize(stage, screenHeight);
+  const size = useFittingScreenSize(stage, screenHeight, game);
   const name = recordingName(recording);
   const { frames, error, retry } = screens;
   return (
     <section className={styles.side} aria-label={name}>
       <div className={styles.facts}>
-        <AlienGrid hits={hitCells(recording)} target={behaviour.target} label="" />
+        <ItemGrid hits={takenCells(recording)} target={behaviour.target} label="" />
         <div className={styles.words}>
           <div className={styles.title}>
             <h3>{name}</h3>
@@ -45,8 +49,8 @@ export function Side({ recording, behaviour, part, screens, playback, screenHeig
             </span>
             <span className={styles.part}>{part}</span>
           </div>
-          <p>{describeScore(recording, behaviour.target?.length ?? null)}</p>
-          <p>{describeCourse(recording)}</p>
+          <p>{describeScore(recording, behaviour.target?.length ?? null, game)}</p>
+          <p>{describeCourse(recording, game)}</p>
         </div>
       </div>
       <div className={styles.stage} ref={stage} style={{ minHeight: size.height }}>
@@ -88,7 +92,7 @@ function Screen({
   const [painter, setPainter] = useState<ScreenPainter | null>(null);
   useEffect(() => {
     if (!painter) return undefined;
-    painter.setPalette(frames.header.palette);
+    painter.setFormat(frames.header);
     const draw = () => painter.draw(frames.show(playback.snapshot().frame));
     draw();
     return playback.subscribe(draw);

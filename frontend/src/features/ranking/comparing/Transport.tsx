@@ -4,7 +4,8 @@ import { useSyncExternalStore } from "react";
 import { IconButton } from "@/components/controls/Button";
 import { Scrubber } from "@/components/recording/Scrubber";
 import { SpeedChoice } from "@/components/recording/SpeedChoice";
-import { FRAME_RATE_HZ, seconds } from "@/lib/format";
+import { useGame } from "@/games/game";
+import { seconds } from "@/lib/format";
 import type { Playback } from "@/lib/game/playback";
 
 import styles from "./Transport.module.css";
@@ -17,6 +18,7 @@ interface TransportProps {
 
 /** Plays both games, at a speed and from a position that they share. */
 export function Transport({ playback, last, onSpeed }: TransportProps) {
+  const game = useGame();
   const { frame, playing } = useSyncExternalStore(playback.subscribe, playback.snapshot);
   return (
     <div className={styles.transport}>
@@ -37,7 +39,7 @@ export function Transport({ playback, last, onSpeed }: TransportProps) {
       <div className={styles.position}>
         <Scrubber playback={playback} last={last} />
       </div>
-      <span className={styles.time}>{seconds(frame / FRAME_RATE_HZ)}</span>
+      <span className={styles.time}>{seconds(frame / game.frame_rate_hz)}</span>
       <SpeedChoice playback={playback} onChoose={onSpeed} />
     </div>
   );

@@ -4,7 +4,7 @@ import { useEffect, useMemo, useState } from "react";
 import { framesQuery } from "@/api/recordings";
 import type { Recording } from "@/api/types";
 import { useMedia } from "@/features/ranking/use-media";
-import { FRAME_RATE_HZ } from "@/lib/format";
+import { useGame } from "@/games/game";
 import type { RecordedFrames } from "@/lib/game/codec";
 import { Playback } from "@/lib/game/playback";
 
@@ -32,6 +32,7 @@ interface PlaybackInStep {
  * asks for less motion, it shows how they end and waits.
  */
 export function usePlaybackInStep(left: Recording, right: Recording): PlaybackInStep {
+  const { frame_rate_hz: rateHz } = useGame();
   const [speed, setSpeed] = useState(FIRST_SPEED);
   const calm = useMedia("(prefers-reduced-motion: reduce)");
   const queries = [useQuery(framesQuery(left)), useQuery(framesQuery(right))] as const;
@@ -39,10 +40,10 @@ export function usePlaybackInStep(left: Recording, right: Recording): PlaybackIn
   const ready = queries.every(({ data, error }) => data ?? error) && Boolean(first ?? second);
   const last = Math.max(first?.last ?? 0, second?.last ?? 0);
   const playback = useMemo(
-    () => (ready ? new Playback(last, FRAME_RATE_HZ) : null),
+    () => (ready ? new Playback(last, rateHz) : null),
     // Another pair begins anew, even if it is as long.
     // eslint-disable-next-line react-hooks/exhaustive-deps
-    [ready, last, first, second],
+    [ready, last, rateHz, first, second],
   );
   useEffect(() => {
     if (!playback) return undefined;

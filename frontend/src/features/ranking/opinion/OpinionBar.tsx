@@ -3,7 +3,7 @@ import { Trans } from "@lingui/react/macro";
 
 import { messageOf } from "@/api/client";
 import type { Behaviour } from "@/api/types";
-import { WantedAliens } from "@/components/game/WantedAliens";
+import { viewOf } from "@/games/views";
 
 import styles from "./OpinionBar.module.css";
 import type { Opinions } from "./use-opinions";
@@ -17,6 +17,7 @@ interface OpinionBarProps {
 
 /** Shows what the ranking asks for and what the marks beside the games mean, and hides both. */
 export function OpinionBar({ behaviour, opinions, shown, onShow }: OpinionBarProps) {
+  const Wanted = viewOf(behaviour.game)?.Wanted;
   const missing = whyMissing(opinions);
   return (
     <div className={styles.bar}>
@@ -28,8 +29,8 @@ export function OpinionBar({ behaviour, opinions, shown, onShow }: OpinionBarPro
         />
         <Trans>Show what the other games suggest</Trans>
       </label>
-      {shown && opinions.answer?.wanted && (
-        <WantedAliens
+      {shown && opinions.answer?.wanted && Wanted && (
+        <Wanted
           title={t`What this order asks for`}
           inferred={opinions.answer.wanted}
           behaviour={behaviour}
@@ -38,11 +39,11 @@ export function OpinionBar({ behaviour, opinions, shown, onShow }: OpinionBarPro
           <p>
             <Trans>
               The bar beside a game runs from best to worst. Its mark shows where the other games
-              suggest that it belongs, judging by which aliens it hits. A wide band means that this
-              is not sure.
+              suggest that it belongs, judging by what it hits. A wide band means that this is not
+              sure.
             </Trans>
           </p>
-        </WantedAliens>
+        </Wanted>
       )}
       {shown && missing !== null && <p>{missing}</p>}
     </div>

@@ -3,10 +3,12 @@ import { Trans } from "@lingui/react/macro";
 import { memo, useSyncExternalStore } from "react";
 
 import { Legend } from "@/components/recording/Legend";
+import { buttonName, describeAction, lanesOf } from "@/games/actions";
+import { useGame } from "@/games/game";
+import { listed } from "@/lib/format";
 import type { Playback } from "@/lib/game/playback";
 
 import styles from "./ActionLanes.module.css";
-import { describeAction, lanesOf } from "./actions";
 
 const LANE_HEIGHT = 8;
 const LANE_GAP = 3;
@@ -19,9 +21,11 @@ export function ActionLanes({
   playback: Playback;
   actions: readonly number[];
 }) {
+  const game = useGame();
   const { frame } = useSyncExternalStore(playback.subscribe, playback.snapshot);
   const last = Math.max(actions.length, 1);
-  const height = 3 * (LANE_HEIGHT + LANE_GAP);
+  const names = listed(game.buttons.map(buttonName));
+  const height = game.buttons.length * (LANE_HEIGHT + LANE_GAP);
   return (
     <div className={styles.actions}>
       <svg
@@ -30,18 +34,18 @@ export function ActionLanes({
         height={height}
         preserveAspectRatio="none"
         role="img"
-        aria-label={t`Keys held over time: left, right and fire from top to bottom`}
+        aria-label={t`Keys held over time: ${names} from top to bottom`}
       >
         <Lanes actions={actions} last={last} />
         <line className={styles.cursor} x1={frame} x2={frame} y1={0} y2={height} />
       </svg>
       <Legend>
         <span>
-          <Trans>Held: left, right, fire from top to bottom</Trans>
+          <Trans>Held: {names} from top to bottom</Trans>
         </span>
         <span>
           <Trans>
-            Action of frame {frame}: <strong>{describeAction(actions, frame)}</strong>
+            Action of frame {frame}: <strong>{describeAction(actions, frame, game)}</strong>
           </Trans>
         </span>
       </Legend>
@@ -50,10 +54,11 @@ export function ActionLanes({
 }
 
 const Lanes = memo(function Lanes({ actions, last }: { actions: readonly number[]; last: number }) {
-  return lanesOf(actions).map((lane, index) => {
+  const game = useGame();
+  return lanesOf(actions, game).map((lane, index) => {
     const y = index * (LANE_HEIGHT + LANE_GAP);
     return (
-      <g key={lane.name}>
+      <g key={lane.button}>
         <rect className={styles.lane} x={0} y={y} width={last} height={LANE_HEIGHT} />
         {lane.spans.map(({ from, to }) => (
           <rect

@@ -47,9 +47,8 @@ function Memory({ playback, course }: { playback: Playback; course: RecordingCou
     <>
       <p className={styles.hint}>
         <Trans>
-          128 bytes at frame {frame}, in hexadecimal. Those that changed in this frame are
-          underlined. Which aliens a game hits is read from them; rewards and policies see screens
-          alone.
+          {bytes.length} bytes at frame {frame}, in hexadecimal. Those that changed in this frame
+          are underlined. Rewards and policies see screens alone.
         </Trans>
       </p>
       <div className={styles.scroll}>

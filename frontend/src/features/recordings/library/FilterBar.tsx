@@ -1,8 +1,10 @@
 import { t } from "@lingui/core/macro";
 import { useMemo } from "react";
 
-import type { Behaviour, LibraryEntry } from "@/api/types";
+import type { Behaviour, LibraryEntry, TaughtGame } from "@/api/types";
 import { Filters, Search, Select } from "@/components/controls/Filters";
+import { useGame } from "@/games/game";
+import { wordsOf } from "@/games/words";
 
 import { EVERYTHING, type Filter, isNarrow, ORDERS, SHOWN, SOURCES, VERIFIED } from "./filter";
 
@@ -28,6 +30,7 @@ const orderNames = (): Readonly<Record<Filter["order"], string>> => ({
   strays: t`Fewest strays first`,
   longest: t`Longest first`,
   shots: t`Fewest shots first`,
+  score: t`Highest score first`,
 });
 const MOST_STRAYS = 5;
 /** Choices for the number of hits without a target. */
@@ -49,6 +52,9 @@ export function FilterBar({
     () => [...new Set(recordings.map(({ player }) => player))].filter((one) => one !== null).sort(),
     [recordings],
   );
+  const game = useGame();
+  const { items } = game;
+  const orders = ORDERS.filter((one) => one === filter.order || isFor(one, game));
   const nHits = behaviour.target?.length ?? MOST_HITS;
   const set = (change: Partial<Filter>) => onChange({ ...filter, ...change });
   return (
@@ -84,15 +90,17 @@ export function FilterBar({
           onChange={(player) => set({ player: player === ANY ? null : player })}
         />
       )}
-      <Select
-        label={behaviour.target ? t`Targets` : t`Aliens`}
-        value={numbered(filter.hits)}
-        options={[
-          [ANY, t`Any number`],
-          ...upTo(nHits, filter.hits).map((n) => [String(n), t`${n} or more`] as const),
-        ]}
-        onChange={(hits) => set({ hits: numberOf(hits) })}
-      />
+      {items && (
+        <Select
+          label={behaviour.target ? t`Targets` : wordsOf(game).several()}
+          value={numbered(filter.hits)}
+          options={[
+            [ANY, t`Any number`],
+            ...upTo(nHits, filter.hits).map((n) => [String(n), t`${n} or more`] as const),
+          ]}
+          onChange={(hits) => set({ hits: numberOf(hits) })}
+        />
+      )}
       {behaviour.target && (
         <Select
           label={t`Strays`}
@@ -122,11 +130,18 @@ export function FilterBar({
       <Select
         label={t`Order`}
         value={filter.order}
-        options={ORDERS.map((one) => [one, orderNames()[one]])}
+        options={orders.map((one) => [one, orderNames()[one]])}
         onChange={(order) => set({ order })}
       />
     </Filters>
   );
+}
+
+/** Whether games of a game differ in what an order goes by. */
+function isFor(order: Filter["order"], { items, counters }: TaughtGame): boolean {
+  if (order === "shots") return "shots" in counters;
+  if (order === "score") return items === null;
+  return items !== null || (order !== "targets" && order !== "strays");
 }
 
 /** No restriction; not a player's name, since names are not empty. */

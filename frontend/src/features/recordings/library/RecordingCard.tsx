@@ -15,8 +15,10 @@ import { useRecordingActions } from "@/components/recording/use-recording-action
 import { LatencyBadge, PaceBadge, VerifiedBadge } from "@/features/recordings/badges";
 import { ColumnBars } from "@/features/recordings/ColumnBars";
 import { NotesDialog } from "@/features/recordings/NotesDialog";
+import { useGame } from "@/games/game";
+import { describeCourse, describeScore } from "@/games/outcomes";
 import { classes } from "@/lib/classes";
-import { describeCourse, recordingName, describeScore } from "@/lib/recordings";
+import { recordingName } from "@/lib/recordings";
 
 import styles from "./RecordingCard.module.css";
 
@@ -52,6 +54,7 @@ export const ShownRecording = memo(function ShownRecording(props: ShownRecording
 
 /** A recording with its thumbnail, result and actions. */
 function RecordingCard(props: ShownRecordingProps & { recording: Recording }) {
+  const game = useGame();
   const { recording, behaviour, onWatch, selected, onSelect } = props;
   const [hovered, hover] = useHover();
   const name = recordingName(recording);
@@ -92,8 +95,8 @@ function RecordingCard(props: ShownRecordingProps & { recording: Recording }) {
         </div>
         <div className={styles.row}>
           <div className={styles.words}>
-            <strong>{describeScore(recording, behaviour.target?.length ?? null)}</strong>
-            <span>{describeCourse(recording)}</span>
+            <strong>{describeScore(recording, behaviour.target?.length ?? null, game)}</strong>
+            <span>{describeCourse(recording, game)}</span>
           </div>
           <ColumnBars counts={recording.hits_per_column} target={behaviour.target} />
         </div>

@@ -4,7 +4,15 @@ import type { LibraryEntry } from "@/api/types";
 export const SHOWN = ["all", "perfect", "ranked", "unranked", "deleted"] as const;
 export const SOURCES = ["person", "scripted", "policy", "varied"] as const;
 export const VERIFIED = ["yes", "no"] as const;
-export const ORDERS = ["newest", "oldest", "targets", "strays", "longest", "shots"] as const;
+export const ORDERS = [
+  "newest",
+  "oldest",
+  "targets",
+  "strays",
+  "longest",
+  "shots",
+  "score",
+] as const;
 
 export interface Filter {
   readonly show: (typeof SHOWN)[number];
@@ -95,6 +103,7 @@ const COMPARE: Readonly<Record<Filter["order"], Compare>> = {
   targets: (a, b) => hitsOf(b) - hitsOf(a) || (a.strays ?? 0) - (b.strays ?? 0) || newest(a, b),
   strays: (a, b) => (a.strays ?? 0) - (b.strays ?? 0) || hitsOf(b) - hitsOf(a) || newest(a, b),
   longest: (a, b) => b.n_frames - a.n_frames || newest(a, b),
+  score: (a, b) => (b.score ?? 0) - (a.score ?? 0) || newest(a, b),
   shots: (a, b) => (a.counters.shots ?? 0) - (b.counters.shots ?? 0) || newest(a, b),
 };
 

@@ -7,7 +7,8 @@ import { framesQuery } from "@/api/recordings";
 import type { Recording, RewardState } from "@/api/types";
 import { ButtonLink } from "@/components/controls/Button";
 import { GameCanvas } from "@/components/game/GameCanvas";
-import { FRAMES_PER_STEP, measured, ordinal } from "@/lib/format";
+import { useGame } from "@/games/game";
+import { measured, ordinal } from "@/lib/format";
 import type { ScreenPainter } from "@/lib/game/screen";
 import { useScreenSize } from "@/lib/game/use-screen-size";
 import { recordingName } from "@/lib/recordings";
@@ -77,14 +78,15 @@ function percentileName(percentile: number): string {
 
 /** The screen after a step of a recording. */
 function Still({ recording, step }: { recording: Recording; step: number }) {
-  const size = useScreenSize(320, 210);
+  const game = useGame();
+  const size = useScreenSize(320, 210, game);
   const { data: frames } = useQuery(framesQuery(recording));
   const [painter, setPainter] = useState<ScreenPainter | null>(null);
   useEffect(() => {
     if (!painter || !frames) return;
-    painter.setPalette(frames.header.palette);
-    painter.draw(frames.show(Math.min(step * FRAMES_PER_STEP, frames.last)));
-  }, [frames, painter, step]);
+    painter.setFormat(frames.header);
+    painter.draw(frames.show(Math.min(step * game.frames_per_step, frames.last)));
+  }, [frames, painter, step, game]);
   return (
     <GameCanvas
       size={size}

@@ -5,7 +5,8 @@ import { Link } from "react-router";
 
 import type { AttentionMap, Faithfulness, Recording, RunResults } from "@/api/types";
 import type { Watched } from "@/features/results/watched";
-import { fixed, FRAMES_PER_STEP, measured, percent } from "@/lib/format";
+import { useGame } from "@/games/game";
+import { fixed, measured, percent } from "@/lib/format";
 import { recordingName } from "@/lib/recordings";
 
 import styles from "./Attention.module.css";
@@ -132,6 +133,7 @@ function MapFigure({
   runId: string;
   onWatch: (watched: Watched) => void;
 }) {
+  const game = useGame();
   const name = recordingName({ id: map.recording_id });
   const frame = (
     <ScreenImage
@@ -154,7 +156,9 @@ function MapFigure({
           type="button"
           className={styles.frame}
           aria-label={t`Watch ${name} from step ${map.step}`}
-          onClick={() => onWatch({ recording, title: name, frame: map.step * FRAMES_PER_STEP })}
+          onClick={() =>
+            onWatch({ recording, title: name, frame: map.step * game.frames_per_step })
+          }
         >
           {frame}
         </button>

@@ -1,5 +1,6 @@
 import styles from "@/components/game/GameCanvas.module.css";
-import { type ScreenSize, useScreenSize } from "@/lib/game/use-screen-size";
+import { useGame } from "@/games/game";
+import { useScreenSize } from "@/lib/game/use-screen-size";
 
 /** A screenshot of the game at an integer scale, fitted into a box of CSS pixels. */
 export function ScreenImage({
@@ -13,8 +14,16 @@ export function ScreenImage({
   width: number;
   height: number;
 }) {
-  const size: ScreenSize = useScreenSize(width, height);
-  return <img className={styles.canvas} src={src} alt={alt} style={{ ...size }} loading="lazy" />;
+  const { reduced, ...size } = useScreenSize(width, height, useGame());
+  return (
+    <img
+      className={styles.canvas}
+      src={src}
+      alt={alt}
+      style={{ ...size, ...(reduced && { imageRendering: "auto" }) }}
+      loading="lazy"
+    />
+  );
 }
 
 /** A square image, each of its pixels drawn as `scale` by `scale`. */

@@ -61,7 +61,7 @@ export const plan = (): readonly GroupPlan[] => [
         format: measured,
       },
       {
-        title: t`Aliens hit per game`,
+        title: t`Targets hit per game`,
         curves: [
           { key: "hits", name: t`targets` },
           { key: "strays", name: t`strays`, dashed: true },

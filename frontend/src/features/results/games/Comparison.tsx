@@ -1,12 +1,14 @@
 import { plural, t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 
-import type { Behaviour, ComparisonRow, Recording, RunResults } from "@/api/types";
-import { AlienGrid } from "@/components/game/AlienGrid";
+import type { Behaviour, ComparisonRow, Recording, RunResults, TaughtGame } from "@/api/types";
+import { ItemGrid } from "@/components/game/ItemGrid";
 import { ThingMark } from "@/components/game/ThingMark";
 import type { Watched } from "@/features/results/watched";
+import { useGame } from "@/games/game";
+import { describeEnd, describeScore } from "@/games/outcomes";
 import { inSentence, NONE } from "@/lib/format";
-import { describeEnd, hitCells } from "@/lib/recordings";
+import { strayWords, takenCells } from "@/lib/game/items";
 import { playedBy, type Thing, thingNames } from "@/lib/things";
 
 import { AddToRanking } from "./AddToRanking";
@@ -28,7 +30,7 @@ export function Comparison({ results, behaviour, onWatch }: ComparisonProps) {
         <p className={styles.legend}>
           <span>
             <Trans>
-              <Sign kind="missing" /> target alien left
+              <Sign kind="missing" /> target left
             </Trans>
           </span>
           <span>
@@ -169,6 +171,7 @@ function GameCell({
   from: string;
   onWatch: (watched: Watched) => void;
 }) {
+  const game = useGame();
   if (!recording) return <>{NONE}</>;
   const name = best ? t`Best demonstration` : thingNames()[thing];
   const title = `${name} ${from}`.trim();
@@ -179,10 +182,10 @@ function GameCell({
         <span className={best ? undefined : styles.only}>
           <ThingMark thing={thing}>{name}</ThingMark>
         </span>
-        <AlienGrid hits={hitCells(recording)} target={behaviour.target} scale={2} />
+        <ItemGrid hits={takenCells(recording)} target={behaviour.target} scale={2} />
         <span className={styles.words}>
-          <Outcome recording={recording} />
-          <span>{describeEnd(recording.end)}</span>
+          <Outcome recording={recording} game={game} />
+          <span>{describeEnd(recording.end, game)}</span>
         </span>
       </button>
       {!best && <AddToRanking recording={recording} behaviourId={behaviour.id} kind="quiet" />}
@@ -190,14 +193,12 @@ function GameCell({
   );
 }
 
-function Outcome({ recording }: { recording: Recording }) {
-  const { targets, strays, hits } = recording;
-  if (targets === null || strays === null)
-    return <b>{plural(hits.length, { one: "# alien", other: "# aliens" })}</b>;
+function Outcome({ recording, game }: { recording: Recording; game: TaughtGame }) {
+  const { targets, strays } = recording;
+  if (targets === null || strays === null) return <b>{describeScore(recording, null, game)}</b>;
   return (
     <span>
-      <b>{plural(targets, { one: "# target", other: "# targets" })}</b>,{" "}
-      {strays === 0 ? t`no strays` : plural(strays, { one: "# stray", other: "# strays" })}
+      <b>{plural(targets, { one: "# target", other: "# targets" })}</b>, {strayWords(strays)}
     </span>
   );
 }

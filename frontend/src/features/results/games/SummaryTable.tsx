@@ -2,6 +2,7 @@ import { Trans } from "@lingui/react/macro";
 
 import type { Behaviour, Interval, PolicySummary } from "@/api/types";
 import { ThingMark } from "@/components/game/ThingMark";
+import { useGame } from "@/games/game";
 import { NONE } from "@/lib/format";
 
 import { IntervalPlot } from "./IntervalPlot";
@@ -17,7 +18,14 @@ interface SummaryTableProps {
 
 /** Imitator and clone side by side: means with 95% intervals, also on a common axis. */
 export function SummaryTable({ imitator, clone, behaviour, label }: SummaryTableProps) {
-  const rows = summaryRows(imitator, clone, behaviour.target?.length ?? null, behaviour.ordered);
+  const { max_steps } = useGame();
+  const rows = summaryRows(
+    imitator,
+    clone,
+    behaviour.target?.length ?? null,
+    behaviour.ordered,
+    max_steps,
+  );
   return (
     <table className={styles.table} aria-label={label}>
       <thead>

@@ -4,14 +4,16 @@ import { useQuery } from "@tanstack/react-query";
 import { useNavigate } from "react-router";
 
 import { borrowedQuery } from "@/api/library";
-import type { Behaviour, Recording, RunResults } from "@/api/types";
+import type { Behaviour, Recording, RunResults, TaughtGame } from "@/api/types";
 import { Button, ButtonLink } from "@/components/controls/Button";
-import { AlienGrid } from "@/components/game/AlienGrid";
+import { ItemGrid } from "@/components/game/ItemGrid";
 import { RecordingScreen } from "@/components/recording/RecordingScreen";
 import { useBorrowing } from "@/components/recording/use-borrowing";
 import type { Watched } from "@/features/results/watched";
+import { useGame } from "@/games/game";
+import { describeEnd, describeScore, imperfections, isLost } from "@/games/outcomes";
 import { whole } from "@/lib/format";
-import { describeEnd, describeScore, hitCells, imperfections, isLost } from "@/lib/recordings";
+import { takenCells } from "@/lib/game/items";
 import { isActive } from "@/lib/runs";
 import { selecting } from "@/lib/selection";
 
@@ -51,12 +53,12 @@ function proposalsIn({ proposed, games, training_games: training }: RunResults):
 }
 
 /** Whether a game hits all targets and nothing else, and survives; never without a target. */
-function isFlawless({ recording }: Proposal, { target }: Behaviour): boolean {
+function isFlawless({ recording }: Proposal, { target }: Behaviour, game: TaughtGame): boolean {
   return (
     target !== null &&
     recording.targets !== null &&
-    !isLost(recording.end) &&
-    imperfections(recording, target.length).length === 0
+    !isLost(recording.end, game) &&
+    imperfections(recording, target.length, game).length === 0
   );
 }
 
@@ -70,6 +72,7 @@ function advice(areFlawless: boolean, active: boolean): string {
 
 /** Proposes games of the imitator for the ranking, and to train the imitator further. */
 export function TeachMore({ results, behaviour, onWatch }: TeachMoreProps) {
+  const game = useGame();
   const games = proposalsIn(results);
   const active = isActive(results.run);
   const further = (
@@ -82,15 +85,15 @@ export function TeachMore({ results, behaviour, onWatch }: TeachMoreProps) {
     <>
       <p className={styles.note}>
         {advice(
-          games.every((game) => isFlawless(game, behaviour)),
+          games.every((one) => isFlawless(one, behaviour, game)),
           active,
         )}
       </p>
       <ul className={styles.games} aria-label={t`Games to rank`}>
-        {games.map((game) => (
+        {games.map((proposal) => (
           <ProposedGame
-            key={game.recording.id}
-            game={game}
+            key={proposal.recording.id}
+            proposal={proposal}
             behaviour={behaviour}
             onWatch={onWatch}
           />
@@ -116,14 +119,15 @@ function furtherFrom(
 }
 
 function ProposedGame({
-  game: { recording, how },
+  proposal: { recording, how },
   behaviour,
   onWatch,
 }: {
-  game: Proposal;
+  proposal: Proposal;
   behaviour: Behaviour;
   onWatch: (watched: Watched) => void;
 }) {
+  const game = useGame();
   return (
     <li className={styles.game}>
       <button
@@ -135,10 +139,10 @@ function ProposedGame({
         <RecordingScreen recording={recording} playing={false} {...SCREEN} />
       </button>
       <div className={styles.outcome}>
-        <AlienGrid hits={hitCells(recording)} target={behaviour.target} label="" />
+        <ItemGrid hits={takenCells(recording)} target={behaviour.target} label="" />
         <p>
-          <b>{describeScore(recording, behaviour.target?.length ?? null)}</b>
-          <span>{describeEnd(recording.end)}</span>
+          <b>{describeScore(recording, behaviour.target?.length ?? null, game)}</b>
+          <span>{describeEnd(recording.end, game)}</span>
           <span>{how}</span>
         </p>
       </div>

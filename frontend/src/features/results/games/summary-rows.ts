@@ -15,7 +15,6 @@ interface SummaryRow {
   readonly high: number;
 }
 
-const MAX_STEPS = 300;
 const oneDigit = (value: number) => fixed(value, 1);
 const wholePercent = (value: number) => percent(value, 0);
 
@@ -26,7 +25,7 @@ interface Plan {
   readonly high?: number;
 }
 
-function plans(nTargets: number | null, ordered: boolean): readonly Plan[] {
+function plans(nTargets: number | null, ordered: boolean, maxSteps: number): readonly Plan[] {
   const target: Plan[] =
     nTargets === null
       ? []
@@ -40,7 +39,7 @@ function plans(nTargets: number | null, ordered: boolean): readonly Plan[] {
         ];
   return [
     ...target,
-    { key: "steps", name: t`Game length, of 300 steps`, write: oneDigit, high: MAX_STEPS },
+    { key: "steps", name: t`Game length, of ${maxSteps} steps`, write: oneDigit, high: maxSteps },
     { key: "death_rate", name: t`Death rate`, write: wholePercent, high: 1 },
     { key: "predicted_return", name: t`Predicted return`, write: measured },
   ];
@@ -52,8 +51,9 @@ export function summaryRows(
   clone: PolicySummary | null,
   nTargets: number | null,
   ordered: boolean,
+  maxSteps: number,
 ): readonly SummaryRow[] {
-  return plans(nTargets, ordered)
+  return plans(nTargets, ordered, maxSteps)
     .map(({ key, name, write, high }) => {
       const both = { imitator: imitator?.[key] ?? null, clone: clone?.[key] ?? null };
       return { name, write, ...both, ...axisOf([both.imitator, both.clone], high) };

@@ -2,12 +2,14 @@ import { plural, t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 
 import type { Behaviour, ConfusedTiers, RankingCheck } from "@/api/types";
-import { WantedAliens } from "@/components/game/WantedAliens";
 import { SourceBadge } from "@/components/recording/SourceBadge";
 import tables from "@/features/results/tables.module.css";
 import type { Watched } from "@/features/results/watched";
+import { viewOf } from "@/games/views";
+import { useGame } from "@/games/game";
+import { describeScore } from "@/games/outcomes";
 import { fixed, measured, percent } from "@/lib/format";
-import { recordingName, describeScore } from "@/lib/recordings";
+import { recordingName } from "@/lib/recordings";
 
 import { judgedBy, type Measure, measureOf, type RankedReturn } from "./measure";
 import styles from "./reward.module.css";
@@ -21,13 +23,14 @@ interface RewardCheckProps {
 
 /** How well the learned reward agrees with the ranking. */
 export function RewardCheck({ check, behaviour, onWatch }: RewardCheckProps) {
+  const Wanted = viewOf(behaviour.game)?.Wanted;
   const measure = measureOf(check.returns);
   return (
     <>
       <Numbers check={check} />
       <p className={styles.verdict}>{verdictOf(check)}</p>
-      {check.wanted && (
-        <WantedAliens
+      {check.wanted && Wanted && (
+        <Wanted
           title={t`What the reward wants`}
           inferred={check.wanted}
           behaviour={behaviour}
@@ -168,6 +171,7 @@ function names(ids: readonly number[]): string {
 }
 
 function Returns({ check, behaviour, measure, onWatch }: RewardCheckProps & { measure: Measure }) {
+  const game = useGame();
   const hasLevels = measure === "final_level";
   const judged = (one: RankedReturn) => judgedBy(measure, one);
   const best = Math.max(...check.returns.map(judged));
@@ -203,7 +207,7 @@ function Returns({ check, behaviour, measure, onWatch }: RewardCheckProps & { me
             <td>
               <button
                 type="button"
-                title={describeScore(recording, behaviour.target?.length ?? null)}
+                title={describeScore(recording, behaviour.target?.length ?? null, game)}
                 onClick={() => onWatch({ recording, title: recordingName(recording) })}
               >
                 {recordingName(recording)}

@@ -1,7 +1,11 @@
 import { describe, expect, it } from "vitest";
 
 import { newlyPressed, NO_PAD, type Pad, PAD, Pads } from "@/features/play/input/gamepad";
-import { FIRE, LEFT, RIGHT } from "@/features/play/input/keys";
+
+import { CART_POLE, MS_PACMAN, SPACE_INVADERS } from "../../../support/games";
+
+const [LEFT, RIGHT, FIRE] = [1, 2, 4];
+const { buttons: BUTTONS } = SPACE_INVADERS;
 
 const STANDARD = { id: "Pad", index: 0, connected: true, mapping: "standard" };
 
@@ -13,10 +17,13 @@ function pad(pressed: readonly number[], x = 0): Pad {
 }
 
 /** The state of gamepads whose sticks were seen at rest. */
-function padState(pads: readonly (Pad | null)[]) {
+function padState(pads: readonly (Pad | null)[], buttons: readonly string[] = BUTTONS) {
   const reader = new Pads();
-  reader.read(pads.map((one) => one && { ...one, axes: [0, 0] }));
-  return reader.read(pads);
+  reader.read(
+    pads.map((one) => one && { ...one, axes: [0, 0] }),
+    buttons,
+  );
+  return reader.read(pads, buttons);
 }
 
 describe("a gamepad", () => {
@@ -32,6 +39,19 @@ describe("a gamepad", () => {
     expect(padState([null, held]).bits).toBe(bits);
   });
 
+  it("steers up and down, and across, in games that have it", () => {
+    const across = { ...pad([]), axes: [0.8, -0.8] };
+    expect(padState([across], MS_PACMAN.buttons).bits).toBe(2 | 4);
+    expect(padState([pad([13, 14])], MS_PACMAN.buttons).bits).toBe(1 | 8);
+    expect(padState([across], BUTTONS).bits).toBe(RIGHT);
+  });
+
+  it("presses the buttons of a game without directions with its face buttons", () => {
+    expect(padState([pad([PAD.bottom])], CART_POLE.buttons).bits).toBe(1);
+    expect(padState([pad([PAD.right])], CART_POLE.buttons).bits).toBe(2);
+    expect(padState([pad([PAD.left, 14])], CART_POLE.buttons).bits).toBe(0);
+  });
+
   it("rewinds with the buttons at its back", () => {
     expect(padState([pad([5])]).rewind).toBe(true);
     expect(padState([pad([PAD.start])]).rewind).toBe(false);
@@ -45,22 +65,22 @@ describe("a gamepad", () => {
   it("steers once its stick was seen at rest, and anew after it was unplugged", () => {
     const reader = new Pads();
     const left = pad([], -1);
-    expect(reader.read([left]).bits).toBe(0);
-    expect(reader.read([pad([], 0.1)]).bits).toBe(0);
-    expect(reader.read([left]).bits).toBe(LEFT);
-    expect(reader.read([{ ...left, id: "Another pad" }]).bits).toBe(0);
-    expect(reader.read([pad([])]).bits).toBe(0);
-    expect(reader.read([left]).bits).toBe(LEFT);
-    expect(reader.read([{ ...left, connected: false }]).bits).toBe(0);
-    expect(reader.read([left]).bits).toBe(0);
-    expect(reader.read([null]).bits).toBe(0);
+    expect(reader.read([left], BUTTONS).bits).toBe(0);
+    expect(reader.read([pad([], 0.1)], BUTTONS).bits).toBe(0);
+    expect(reader.read([left], BUTTONS).bits).toBe(LEFT);
+    expect(reader.read([{ ...left, id: "Another pad" }], BUTTONS).bits).toBe(0);
+    expect(reader.read([pad([])], BUTTONS).bits).toBe(0);
+    expect(reader.read([left], BUTTONS).bits).toBe(LEFT);
+    expect(reader.read([{ ...left, connected: false }], BUTTONS).bits).toBe(0);
+    expect(reader.read([left], BUTTONS).bits).toBe(0);
+    expect(reader.read([null], BUTTONS).bits).toBe(0);
   });
 
   it("that rests is not taken for another that does not", () => {
     const reader = new Pads();
     const stuck = { ...pad([], -1), index: 1 };
-    expect(reader.read([pad([]), stuck]).bits).toBe(0);
-    expect(reader.read([pad([], 1), stuck]).bits).toBe(RIGHT);
+    expect(reader.read([pad([]), stuck], BUTTONS).bits).toBe(0);
+    expect(reader.read([pad([], 1), stuck], BUTTONS).bits).toBe(RIGHT);
   });
 
   it("in another layout is left alone: its axes may rest at an end", () => {

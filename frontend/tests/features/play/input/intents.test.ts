@@ -6,12 +6,21 @@ import {
   gamepadIntentOf,
   speedBeside,
   steers,
-  intentOf,
+  intentOf as intentWith,
   SinceEnd,
 } from "@/features/play/input/intents";
-import { DEFAULT_KEYS } from "@/features/play/input/keys";
+import { defaultKeys } from "@/features/play/input/keys";
 
+import { SPACE_INVADERS } from "../../../support/games";
 import { us } from "../../../support/keyboard";
+
+const DEFAULT_KEYS = defaultKeys(SPACE_INVADERS);
+
+function intentOf(...[pressed, phase, sinceEndMs, keys]: Asked) {
+  return intentWith(pressed, phase, sinceEndMs, keys ?? DEFAULT_KEYS);
+}
+type Whole = Parameters<typeof intentWith>;
+type Asked = [Whole[0], Whole[1], Whole[2], Whole[3]?];
 
 const press = (code: string, repeat = false) => ({ ...us(code), repeat });
 

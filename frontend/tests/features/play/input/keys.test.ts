@@ -3,22 +3,31 @@ import { describe, expect, it } from "vitest";
 
 import {
   addKey,
-  bitOf,
+  bitOf as bitWith,
   controlOf,
-  CONTROLS,
-  DEFAULT_KEYS,
-  FIRE,
+  controlsOf,
+  defaultKeys,
   HeldKeys,
   isAssignable,
-  isGameKey,
+  isGameKey as isGameKeyWith,
+  type KeyMap,
   keyName,
-  LEFT,
-  readKeyMap,
-  RIGHT,
+  keysSetting,
+  readKeyMap as readWith,
   withoutKey,
 } from "@/features/play/input/keys";
 
+import { CART_POLE, MS_PACMAN, PONG, SPACE_INVADERS } from "../../../support/games";
 import { us } from "../../../support/keyboard";
+
+const [LEFT, RIGHT, FIRE] = [1, 2, 4];
+const CONTROLS = controlsOf(SPACE_INVADERS);
+const DEFAULT_KEYS = defaultKeys(SPACE_INVADERS);
+const { buttons: BUTTONS } = SPACE_INVADERS;
+const bitOf = (keys: KeyMap, pressed: ReturnType<typeof us>) => bitWith(BUTTONS, keys, pressed);
+const isGameKey = (keys: KeyMap, pressed: ReturnType<typeof us>) =>
+  isGameKeyWith(BUTTONS, keys, pressed);
+const readKeyMap = (stored: unknown) => readWith(stored, SPACE_INVADERS);
 
 const CODES = ["ArrowLeft", "ArrowRight", "ArrowUp", "KeyA", "KeyD", "KeyW", "Space", "KeyJ"];
 
@@ -73,6 +82,24 @@ describe("the key map", () => {
     const bits = (codes: string[]) => codes.map((code) => bitOf(DEFAULT_KEYS, us(code)));
     expect(bits(["ArrowLeft", "ArrowRight", "ArrowUp"])).toEqual([LEFT, RIGHT, FIRE]);
     expect(bits(["KeyA", "KeyD", "KeyW"])).toEqual([LEFT, RIGHT, FIRE]);
+  });
+
+  it("is that of the game: one key or more for each of its buttons", () => {
+    const bits = (codes: string[]) =>
+      codes.map((code) => bitWith(MS_PACMAN.buttons, defaultKeys(MS_PACMAN), us(code)));
+    expect(bits(["ArrowLeft", "KeyD", "KeyW", "ArrowDown", "Space"])).toEqual([1, 2, 4, 8, 0]);
+    expect(defaultKeys(CART_POLE)).toEqual({
+      "push left": ["ArrowLeft"],
+      "push right": ["ArrowRight"],
+      pause: ["Escape"],
+    });
+  });
+
+  it("is kept for each set of buttons, and that of the first version stays", () => {
+    expect(keysSetting(SPACE_INVADERS).key).toBe("tril.play.keys");
+    expect(keysSetting(PONG).key).toBe("tril.play.keys");
+    expect(keysSetting(CART_POLE).key).toBe("tril.play.keys.push left,push right");
+    expect(keysSetting(MS_PACMAN).read(DEFAULT_KEYS)).toBeNull();
   });
 
   it("includes the key that would scroll", () => {

@@ -3,6 +3,9 @@ import { describe, expect, it, vi } from "vitest";
 
 import { StageOverlay } from "@/features/play/stage/StageOverlay";
 import type { GameState, Phase } from "@/features/play/stream/game-state";
+import { GameProvider } from "@/games/game";
+
+import { SPACE_INVADERS } from "../../../support/games";
 
 function state(phase: Phase): GameState {
   return { phase, seconds: 0, hits: [], why: "", ended: null, endedAt: 0, speed: 100 };
@@ -11,16 +14,18 @@ function state(phase: Phase): GameState {
 function lay(game: GameState | null, error: string | null = null) {
   const nothing = vi.fn();
   render(
-    <StageOverlay
-      state={game}
-      target={null}
-      starting={false}
-      error={error}
-      onStart={nothing}
-      onResume={nothing}
-      onStep={nothing}
-      onTakeBack={nothing}
-    />,
+    <GameProvider game={SPACE_INVADERS} settings={{ options: {} }}>
+      <StageOverlay
+        state={game}
+        target={null}
+        starting={false}
+        error={error}
+        onStart={nothing}
+        onResume={nothing}
+        onStep={nothing}
+        onTakeBack={nothing}
+      />
+    </GameProvider>,
   );
 }
 

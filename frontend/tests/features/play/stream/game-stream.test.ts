@@ -3,7 +3,8 @@ import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 
 import { type GameScreen, GameStream } from "@/features/play/stream/game-stream";
 import { CLOSE } from "@/features/play/stream/text-messages";
-import { SCREEN_BYTES } from "@/lib/game/codec";
+
+const SCREEN_BYTES = 160 * 210;
 
 /** The server's end of a WebSocket, controlled by the test. */
 class FakeSocket extends EventTarget {
@@ -69,6 +70,8 @@ class FakeSocket extends EventTarget {
 
 const HELLO = {
   type: "hello",
+  width: 160,
+  height: 210,
   palette: [],
   max_frames: 1200,
   frame: 0,
@@ -94,7 +97,7 @@ const ENDED = {
 };
 
 function begin() {
-  const screen = { setPalette: vi.fn(), show: vi.fn() } satisfies GameScreen;
+  const screen = { setFormat: vi.fn(), show: vi.fn() } satisfies GameScreen;
   const stream = new GameStream("ws://test/stream", screen);
   stream.connect();
   return { screen, stream, socket: newest() };
@@ -136,7 +139,7 @@ describe("a game's stream", () => {
     socket.show(1, 0);
     socket.show(2, 1);
     expect(screen.show).toHaveBeenCalledTimes(2);
-    const seen = { frame: 1, formation: { left: 23, top: 31 }, isShot: false };
+    const seen = { frame: 1, marks: Uint8Array.of(23 + 96, 31), hasCounted: false };
     const lastSeen = expect.objectContaining(seen) as unknown;
     expect(screen.show).toHaveBeenLastCalledWith(expect.any(Uint8Array), lastSeen, 1200);
     expect(socket.binarySent).toEqual([
@@ -145,11 +148,11 @@ describe("a game's stream", () => {
     ]);
   });
 
-  it("knows the layout of the aliens once the server has sent it", () => {
+  it("knows what may be drawn over the screens once the server has sent it", () => {
     const { stream, socket } = begin();
-    expect(stream.aliens).toBeNull();
+    expect(stream.overlay).toBeNull();
     socket.tell(HELLO);
-    expect(stream.aliens).toEqual({ width: 8, height: 10, column_px: 16, row_px: 18 });
+    expect(stream.overlay).toEqual(HELLO.overlay);
   });
 
   it("sends the held keys when they change, numbered", () => {
@@ -212,7 +215,7 @@ describe("a game's stream", () => {
   });
 
   it("plays a new game at the speed of the one before, and another one at its own", () => {
-    const screen = { setPalette: vi.fn(), show: vi.fn() } satisfies GameScreen;
+    const screen = { setFormat: vi.fn(), show: vi.fn() } satisfies GameScreen;
     const stream = new GameStream("ws://test/stream", screen, 50);
     stream.connect();
     newest().tell(HELLO);

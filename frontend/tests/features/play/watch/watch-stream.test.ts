@@ -18,7 +18,7 @@ const ENDED = {
 
 function screen() {
   return {
-    setPalette: vi.fn<LaneScreen["setPalette"]>(),
+    setFormat: vi.fn<LaneScreen["setFormat"]>(),
     show: vi.fn<LaneScreen["show"]>(),
     decide: vi.fn<LaneScreen["decide"]>(),
     reward: vi.fn<LaneScreen["reward"]>(),

@@ -19,7 +19,14 @@ import { recording } from "../../../support/data";
 const games = [
   recording({ id: 4, targets: 2, strays: 1, perfect: true, ranked: true, counters: { shots: 9 } }),
   recording({ id: 3, targets: 2, strays: 0, player: "Bo", n_frames: 300, counters: { shots: 2 } }),
-  recording({ id: 2, targets: 0, strays: 3, source: "scripted", player: null, counters: { shots: 5 } }),
+  recording({
+    id: 2,
+    targets: 0,
+    strays: 3,
+    source: "scripted",
+    player: null,
+    counters: { shots: 5 },
+  }),
   recording({ id: 1, targets: 1, strays: 0, verification: "failed", deleted: true }),
 ];
 

@@ -14,25 +14,25 @@ describe("the summary", () => {
   };
 
   it("compares what there is, order errors where the order matters", () => {
-    const names = summaryRows(summary, null, 6, true).map((row) => row.name);
+    const names = summaryRows(summary, null, 6, true, 300).map((row) => row.name);
     expect(names).toContain("Targets hit, of 6");
     expect(names).toContain("Hits out of order");
-    expect(summaryRows(summary, null, 6, false).map((row) => row.name)).not.toContain(
+    expect(summaryRows(summary, null, 6, false, 300).map((row) => row.name)).not.toContain(
       "Hits out of order",
     );
   });
 
   it("leaves out targets where there are none", () => {
     const bare = { ...summary, targets: null, strays: null, order_errors: null };
-    expect(summaryRows(bare, bare, null, false).map((row) => row.name)).toEqual([
-      "Game length, of 300 steps",
+    expect(summaryRows(bare, bare, null, false, 500).map((row) => row.name)).toEqual([
+      "Game length, of 500 steps",
       "Death rate",
       "Predicted return",
     ]);
   });
 
   it("holds both intervals in one axis that includes zero", () => {
-    const row = summaryRows(summary, summary, 6, false).at(-1);
+    const row = summaryRows(summary, summary, 6, false, 300).at(-1);
     expect(row).toMatchObject({ low: -5, high: 1 });
     expect(row?.write(-2)).toBe("−2.00");
   });

@@ -1,27 +1,15 @@
-/** Visual aids drawn over the game: outlines of the targets and a ghost. Never recorded. */
-import type { Ghost } from "@/api/types";
+/** Visual aids drawn over the game: outlines of the targets and a ghost. */
+import type { FrameInfo, MarkColours, Marks, MarksPainter, TakenAt } from "@/games/view";
+import type { Cell } from "@/lib/game/items";
+
 import {
   type AlienGeometry,
   alienBox,
   cellsLeft,
+  type Formation,
+  formationOf,
   hitsUntil,
-} from "@/features/play/stream/formation";
-import type { FrameInfo } from "@/features/play/stream/game-stream";
-import type { HitAt } from "@/features/play/stream/text-messages";
-import type { Cell } from "@/lib/game/aliens";
-import { SCREEN_HEIGHT, SCREEN_WIDTH } from "@/lib/game/codec";
-
-/** The marks to draw; null for none. */
-export interface Marks {
-  readonly target: readonly Cell[] | null;
-  readonly ghost: Ghost | null;
-}
-
-/** As CSS colours. */
-interface MarkColours {
-  readonly target: string;
-  readonly ghost: string;
-}
+} from "./formation";
 
 /** Translucent, so that the ghost does not hide the cannon. */
 const GHOST_ALPHA = 0.5;
@@ -31,27 +19,35 @@ const BARREL_WIDTH = 3 / 7;
 const BASE_HEIGHT = 4;
 
 /** Draws marks on a canvas of the game's resolution, redrawn only when something moves. */
-export class MarksPainter {
+export class AlienMarks implements MarksPainter {
+  private readonly canvas: HTMLCanvasElement;
   private readonly context: CanvasRenderingContext2D;
   private readonly marks: Marks;
   private readonly colours: MarkColours;
+  private readonly aliens: AlienGeometry;
   private left = NaN;
   private top = NaN;
   private cannon: number | null = null;
   private nHits = 0;
 
-  constructor(canvas: HTMLCanvasElement, marks: Marks, colours: MarkColours) {
+  constructor(
+    canvas: HTMLCanvasElement,
+    marks: Marks,
+    colours: MarkColours,
+    aliens: AlienGeometry,
+  ) {
     const context = canvas.getContext("2d");
     if (!context) throw new Error("This browser can't draw on a canvas.");
-    canvas.width = SCREEN_WIDTH;
-    canvas.height = SCREEN_HEIGHT;
+    this.canvas = canvas;
     this.context = context;
     this.marks = marks;
     this.colours = colours;
+    this.aliens = aliens;
   }
 
   /** Draws the marks of a frame. */
-  show({ frame, formation }: FrameInfo, hits: readonly HitAt[], aliens: AlienGeometry): void {
+  show({ frame, marks }: FrameInfo, hits: readonly TakenAt[]): void {
+    const formation = formationOf(marks);
     const { left, top } = formation;
     const nHits = hitsUntil(hits, frame);
     const cannon = this.marks.ghost?.lefts[frame] ?? null;
@@ -62,19 +58,15 @@ export class MarksPainter {
     this.top = top;
     this.nHits = nHits;
     this.cannon = cannon;
-    this.context.clearRect(0, 0, SCREEN_WIDTH, SCREEN_HEIGHT);
+    this.context.clearRect(0, 0, this.canvas.width, this.canvas.height);
     const { target } = this.marks;
-    if (target) this.drawOutlines(cellsLeft(target, hits, nHits), formation, aliens);
+    if (target) this.drawOutlines(cellsLeft(target, hits, nHits), formation);
     if (cannon !== null) this.drawGhost(cannon);
   }
 
   /** Outlines aliens at a distance of one pixel. */
-  private drawOutlines(
-    cells: readonly Cell[],
-    formation: FrameInfo["formation"],
-    aliens: AlienGeometry,
-  ): void {
-    const { context } = this;
+  private drawOutlines(cells: readonly Cell[], formation: Formation): void {
+    const { context, aliens } = this;
     context.strokeStyle = this.colours.target;
     context.lineWidth = 1;
     for (const cell of cells) {

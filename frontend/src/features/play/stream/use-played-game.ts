@@ -2,8 +2,8 @@ import { useMutation } from "@tanstack/react-query";
 import { useCallback, useEffect, useRef, useState, useSyncExternalStore } from "react";
 
 import { isNotFound } from "@/api/client";
+import { useGame } from "@/games/game";
 import { newUuid } from "@/lib/browser/uuid";
-import { FRAME_RATE_HZ } from "@/lib/format";
 import { ofTab } from "@/lib/browser/storage";
 
 import type { GameState } from "./game-state";
@@ -33,7 +33,8 @@ export interface PlayedGame {
 }
 
 /** Plays games of a behaviour on one screen, one after the other. */
-export function useGame(behaviourId: number, screen: GameScreen): PlayedGame {
+export function usePlayedGame(behaviourId: number, screen: GameScreen): PlayedGame {
+  const { frame_rate_hz: rateHz } = useGame();
   const [stream, setStream] = useState<GameStream | null>(null);
   const current = useRef<GameStream | null>(null);
 
@@ -52,7 +53,9 @@ export function useGame(behaviourId: number, screen: GameScreen): PlayedGame {
 
   const create = useMutation({
     mutationFn: (from: Ended | null) =>
-      from ? createGameFrom(from.recording_id, resumeFrameOf(from)) : createGame(behaviourId),
+      from
+        ? createGameFrom(from.recording_id, resumeFrameOf(from, rateHz))
+        : createGame(behaviourId),
     onSuccess: (game) => play(game.id, game.stream_path),
   });
 
@@ -100,11 +103,11 @@ export function useGame(behaviourId: number, screen: GameScreen): PlayedGame {
   };
 }
 
-const RESUME_FRAMES = 2 * FRAME_RATE_HZ;
+const RESUME_S = 2;
 
 /** Returns the frame to resume an ended game from, early enough to act differently. */
-export function resumeFrameOf({ frame }: Pick<Ended, "frame">): number {
-  return Math.max(0, frame - RESUME_FRAMES);
+export function resumeFrameOf({ frame }: Pick<Ended, "frame">, rateHz: number): number {
+  return Math.max(0, frame - RESUME_S * rateHz);
 }
 
 /** Lets the play page of a behaviour join a game as soon as it is shown. */

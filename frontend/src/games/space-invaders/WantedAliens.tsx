@@ -1,33 +1,26 @@
 import { plural, t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
-import type { ReactNode } from "react";
 
-import type { Behaviour, WantedAliens as Inferred } from "@/api/types";
+import type { WantedItems } from "@/api/types";
+import gridStyles from "@/components/game/ItemGrid.module.css";
+import type { WantedProps } from "@/games/view";
 import {
-  ALL_CELLS,
   type Cell,
   CELL_SIZE,
   cellKey,
   cellName,
   columnX,
-  GRID_SIZE,
+  gridLength,
   gridPath,
+  ITEM_SIZE,
   rowY,
-  SPRITE_SIZE,
-} from "@/lib/game/aliens";
+} from "@/lib/game/items";
 
-import gridStyles from "./AlienGrid.module.css";
+import { ALL_CELLS, GRID } from "./grid";
+import { spritePath } from "./sprites";
 import styles from "./WantedAliens.module.css";
 
-interface WantedAliensProps {
-  title: string;
-  inferred: Inferred;
-  behaviour: Behaviour;
-  /** CSS pixels per pixel of the drawing. */
-  scale: 2 | 3;
-  /** More of how to read it. */
-  children?: ReactNode;
-}
+const SIDE = gridLength(GRID.columns);
 
 /** Labels nearer to 0 are not sure. */
 const SURE = 0.5;
@@ -38,27 +31,27 @@ const IN_ORDER = 0.5;
 const CELLS: readonly Cell[] = [...ALL_CELLS].sort((a, b) => a[0] - b[0] || a[1] - b[1]);
 
 /** Which aliens are inferred to be wanted, which to be left alone, and which may be either. */
-export function WantedAliens({ title, inferred, behaviour, scale, children }: WantedAliensProps) {
+export function WantedAliens({ title, inferred, behaviour, scale, children }: WantedProps) {
   const { wanted, others, unsure } = sorted(inferred);
   const { missed, strange } = compared(wanted, behaviour.target);
   const keys = new Set(unsure.map(cellKey));
   const sure = (cells: readonly Cell[]) => cells.filter((cell) => !keys.has(cellKey(cell)));
   const rows = orderedRows(inferred);
   const numbers = rows.join(", ");
-  const side = GRID_SIZE * scale;
+  const side = SIDE * scale;
   return (
     <section aria-label={title} className={styles.wanted}>
       <svg
         className={gridStyles.grid}
-        viewBox={`0 0 ${GRID_SIZE} ${GRID_SIZE}`}
+        viewBox={`0 0 ${SIDE} ${SIDE}`}
         width={side}
         height={side}
         role="img"
         aria-label={describe(wanted, unsure, missed)}
       >
         <path className={styles.targets} d={outline(behaviour.target ?? [])} />
-        <path className={gridStyles.standing} d={gridPath(others)} />
-        <path className={gridStyles.missing} d={gridPath(wanted)} />
+        <path className={gridStyles.standing} d={gridPath(others, GRID, spritePath)} />
+        <path className={gridStyles.missing} d={gridPath(wanted, GRID, spritePath)} />
         <path className={styles.unsure} d={frames(unsure)} />
       </svg>
       <div className={styles.words}>
@@ -120,7 +113,7 @@ export function WantedAliens({ title, inferred, behaviour, scale, children }: Wa
   );
 }
 
-function sorted({ labels }: Inferred): { wanted: Cell[]; others: Cell[]; unsure: Cell[] } {
+function sorted({ labels }: WantedItems): { wanted: Cell[]; others: Cell[]; unsure: Cell[] } {
   const label = (index: number) => labels[index] ?? 0;
   return {
     wanted: CELLS.filter((_, index) => label(index) > 0),
@@ -143,7 +136,7 @@ function compared(
 }
 
 /** The rows, from 1, in which a wanted alien counts only once all on its left are gone. */
-function orderedRows({ labels, in_order: inOrder }: Inferred): number[] {
+function orderedRows({ labels, in_order: inOrder }: WantedItems): number[] {
   const ordered = CELLS.filter(
     (_, index) => (labels[index] ?? 0) > 0 && (inOrder[index] ?? 0) > IN_ORDER,
   );
@@ -168,10 +161,10 @@ function describe(
 /** The outline of cells, as one SVG path of the sides that no two of them share. */
 function outline(cells: readonly Cell[]): string {
   const keys = new Set(cells.map(cellKey));
-  const gap = (CELL_SIZE - SPRITE_SIZE) / 2;
+  const gap = (CELL_SIZE - ITEM_SIZE) / 2;
   return cells
     .map(([row, column]) => {
-      const [left, top] = [columnX(column) - gap, rowY(row) - gap];
+      const [left, top] = [columnX(column) - gap, rowY(row, GRID) - gap];
       const [right, bottom] = [left + CELL_SIZE, top + CELL_SIZE];
       return [
         !keys.has(cellKey([row + 1, column])) && `M${left} ${top}H${right}`,
@@ -187,10 +180,10 @@ function outline(cells: readonly Cell[]): string {
 
 /** Frames around cells, as one SVG path. */
 function frames(cells: readonly Cell[]): string {
-  const side = SPRITE_SIZE + 1;
+  const side = ITEM_SIZE + 1;
   return cells
     .map(([row, column]) => {
-      const [x, y] = [columnX(column) - 0.5, rowY(row) - 0.5];
+      const [x, y] = [columnX(column) - 0.5, rowY(row, GRID) - 0.5];
       return `M${x} ${y}h${side}v${side}h${-side}z`;
     })
     .join("");

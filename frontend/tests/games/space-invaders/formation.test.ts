@@ -1,6 +1,12 @@
 import { describe, expect, it } from "vitest";
 
-import { alienBox, cellsLeft, hitsUntil } from "@/features/play/stream/formation";
+import {
+  alienBox,
+  alienGeometry,
+  cellsLeft,
+  formationOf,
+  hitsUntil,
+} from "@/games/space-invaders/formation";
 
 const ALIENS = { width: 8, height: 10, column_px: 16, row_px: 18 };
 const HITS = [
@@ -34,5 +40,15 @@ describe("the formation", () => {
       [2, 1],
     ]);
     expect(cellsLeft(cells, HITS, 2)).toEqual([[2, 1]]);
+  });
+
+  it("is read from the marks of a frame, also left of the screen", () => {
+    expect(formationOf(Uint8Array.of(0, 31))).toEqual({ left: -96, top: 31 });
+    expect(formationOf(Uint8Array.of(255, 31))).toEqual({ left: 159, top: 31 });
+  });
+
+  it("is that of its own overlay alone", () => {
+    expect(alienGeometry({ painter: "bricks", geometry: ALIENS })).toBeNull();
+    expect(alienGeometry({ painter: "alien-formation", geometry: ALIENS })).toEqual(ALIENS);
   });
 });

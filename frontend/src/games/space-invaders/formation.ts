@@ -1,5 +1,8 @@
 /** The positions of the aliens on the game's screen, in its pixels. */
-import { type Cell, cellKey, ROWS } from "@/lib/game/aliens";
+import type { Overlay, TakenAt } from "@/games/view";
+import { type Cell, cellKey } from "@/lib/game/items";
+
+import { GRID } from "./grid";
 
 /** Left edge of the first column and top edge of the top row of the full 6x6 grid. */
 export interface Formation {
@@ -24,15 +27,17 @@ interface Box {
   readonly height: number;
 }
 
-/** What may be drawn over the screens: the name of a painter, and its constants. */
-export interface Overlay {
-  readonly painter: string;
-  readonly geometry: Readonly<Record<string, number>>;
+/** Added to the formation's left edge, which can lie left of the screen, to make it unsigned. */
+const LEFT_BIAS = 96;
+
+/** Reads the position of the aliens from the marks of a frame. */
+export function formationOf(marks: Uint8Array): Formation {
+  return { left: (marks[0] ?? 0) - LEFT_BIAS, top: marks[1] ?? 0 };
 }
 
 /** Returns the layout of the grid, or null if the overlay is another one. */
-export function alienGeometry(overlay: Overlay | null): AlienGeometry | null {
-  if (overlay?.painter !== "alien-formation") return null;
+export function alienGeometry(overlay: Overlay): AlienGeometry | null {
+  if (overlay.painter !== "alien-formation") return null;
   const { width = 0, height = 0, column_px = 0, row_px = 0 } = overlay.geometry;
   return { width, height, column_px, row_px };
 }
@@ -41,20 +46,14 @@ export function alienGeometry(overlay: Overlay | null): AlienGeometry | null {
 export function alienBox([row, column]: Cell, at: Formation, aliens: AlienGeometry): Box {
   return {
     left: at.left + column * aliens.column_px,
-    top: at.top + (ROWS - 1 - row) * aliens.row_px,
+    top: at.top + (GRID.rows - 1 - row) * aliens.row_px,
     width: aliens.width,
     height: aliens.height,
   };
 }
 
-interface TimedHit {
-  readonly row: number;
-  readonly column: number;
-  readonly frame: number;
-}
-
 /** Counts the hits up to a frame. */
-export function hitsUntil(hits: readonly TimedHit[], frame: number): number {
+export function hitsUntil(hits: readonly TakenAt[], frame: number): number {
   let n = 0;
   while (n < hits.length && (hits[n]?.frame ?? 0) <= frame) n += 1;
   return n;
@@ -63,7 +62,7 @@ export function hitsUntil(hits: readonly TimedHit[], frame: number): number {
 /** Returns the cells that remain after the first `nHits` hits. */
 export function cellsLeft(
   cells: readonly Cell[],
-  hits: readonly TimedHit[],
+  hits: readonly TakenAt[],
   nHits: number,
 ): readonly Cell[] {
   const shot = new Set(hits.slice(0, nHits).map(({ row, column }) => cellKey([row, column])));

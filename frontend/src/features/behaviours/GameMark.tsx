@@ -1,0 +1,38 @@
+import { useQuery } from "@tanstack/react-query";
+
+import { ItemGrid } from "@/components/game/ItemGrid";
+import { gameQuery } from "@/games/catalogue";
+import type { Behaviour } from "@/api/types";
+import { GameProvider, useGame } from "@/games/game";
+
+import styles from "./GameMark.module.css";
+
+/** Width of a picture that stands for a game, in CSS pixels. */
+const PICTURE_PX = 58;
+
+/** What stands for a behaviour: its targets, or a picture of a game without items. Decorative. */
+export function GameMark({ target }: Pick<Behaviour, "target">) {
+  const game = useGame();
+  if (game.items) return <ItemGrid target={target} label="" />;
+  return (
+    <img
+      className={styles.picture}
+      src={game.picture_url}
+      alt=""
+      loading="lazy"
+      width={PICTURE_PX}
+      height={PICTURE_PX}
+    />
+  );
+}
+
+/** The same where the page is of no game. */
+export function BehaviourMark({ behaviour }: { behaviour: Behaviour }) {
+  const { data: game } = useQuery(gameQuery(behaviour.game));
+  if (!game) return <span className={styles.picture} style={{ width: PICTURE_PX }} />;
+  return (
+    <GameProvider game={game} settings={behaviour.settings}>
+      <GameMark target={behaviour.target} />
+    </GameProvider>
+  );
+}

@@ -1,0 +1,147 @@
+import { plural, t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
+import { useQuery } from "@tanstack/react-query";
+import { useState } from "react";
+import { Link } from "react-router";
+
+import { behavioursQuery } from "@/api/behaviours";
+import { gameQuery } from "@/games/catalogue";
+import { isNotFound } from "@/api/client";
+import type { TaughtGame } from "@/api/types";
+import { Button, ButtonLink } from "@/components/controls/Button";
+import { Empty, Failed, Loading } from "@/components/feedback/States";
+import { PageTitle } from "@/components/PageTitle";
+import { useOnlyPlays } from "@/components/people/use-only-plays";
+import { EMPTY_DRAFT } from "@/features/behaviours/draft";
+import { NewBehaviourDialog } from "@/features/behaviours/NewBehaviourDialog";
+import { buttonName } from "@/games/actions";
+import { listed } from "@/lib/format";
+
+import styles from "./GamesPage.module.css";
+
+/** A game: its behaviours, what it lacks, and the way to a new behaviour. */
+export function GamePage({ name }: { name: string }) {
+  const { data: game, error, refetch } = useQuery(gameQuery(name));
+  const { data: behaviours } = useQuery(behavioursQuery);
+  const onlyPlays = useOnlyPlays();
+  const [making, setMaking] = useState(false);
+  if (isNotFound(error)) {
+    return (
+      <Empty level="h1" title={t`Game not found`} actions={<AllGames />}>
+        <p>
+          <Trans>The address is wrong, or what brings the game is not installed.</Trans>
+        </p>
+      </Empty>
+    );
+  }
+  if (error && !game)
+    return <Failed what={t`The game`} error={error} onRetry={() => void refetch()} />;
+  if (!game || !behaviours) return <Loading what={t`the game`} rows={2} height="9rem" />;
+  const own = behaviours.filter((one) => one.game === game.name);
+  return (
+    <>
+      <PageTitle>{t`${game.title} · Tril`}</PageTitle>
+      <div className={styles.game}>
+        <img
+          className={styles.picture}
+          src={game.picture_url}
+          alt={t`${game.title}, some seconds after its start`}
+          style={{ aspectRatio: (game.width * game.pixel_aspect) / game.height }}
+        />
+        <div className={styles.words}>
+          <h1>{game.title}</h1>
+          {own.length > 0 ? (
+            <ul className={styles.behaviours} aria-label={t`Behaviours`}>
+              {own.map((behaviour) => (
+                <li key={behaviour.id}>
+                  <Link to={`/behaviours/${behaviour.id}`}>{behaviour.name}</Link>
+                  <p>{behaviour.description}</p>
+                  <p>
+                    {plural(behaviour.n_recordings, { one: "# recording", other: "# recordings" })}
+                  </p>
+                </li>
+              ))}
+            </ul>
+          ) : (
+            <p>
+              <Trans>Nothing has been taught in it yet.</Trans>
+            </p>
+          )}
+          {onlyPlays === false && (
+            <Button kind="primary" icon="plus" onClick={() => setMaking(true)}>
+              <Trans>Teach a behaviour</Trans>
+            </Button>
+          )}
+          <Facts game={game} />
+          <AllGames />
+        </div>
+      </div>
+      {making && (
+        <NewBehaviourDialog
+          title={t`Teach a behaviour in ${game.title}`}
+          initial={{ ...EMPTY_DRAFT, game: game.name }}
+          onClose={() => setMaking(false)}
+        />
+      )}
+    </>
+  );
+}
+
+function AllGames() {
+  return (
+    <ButtonLink kind="quiet" icon="arrowLeft" to="/games">
+      <Trans>All games</Trans>
+    </ButtonLink>
+  );
+}
+
+/** How the game is played, and what it lacks and why. */
+function Facts({ game }: { game: TaughtGame }) {
+  const buttons = listed(game.buttons.map(buttonName));
+  return (
+    <div className={styles.facts}>
+      <p>
+        <Trans>
+          Its buttons: {buttons}. {game.frame_rate_hz} frames a second, {game.frames_per_step} of
+          them for a decision of an agent.
+        </Trans>
+      </p>
+      {game.waits && (
+        <p>
+          <Trans>
+            It stands still until you press a button, since it has no action for waiting.
+          </Trans>
+        </p>
+      )}
+      {!game.items && (
+        <p>
+          <Trans>
+            Nothing in it is counted, so there are no targets: what you rank is what it learns.
+          </Trans>
+        </p>
+      )}
+      {!game.has_player && (
+        <p>
+          <Trans>
+            Nobody has written a scripted player for it, so there are no examples and no checklist.
+          </Trans>
+        </p>
+      )}
+      {!game.saves_states && (
+        <p>
+          <Trans>
+            Its states can&rsquo;t be saved, so a game can&rsquo;t be rewound while you play.
+          </Trans>
+        </p>
+      )}
+      {!game.has_memory && (
+        <p>
+          <Trans>
+            It shows no memory: replays are checked by the screen, and a recording shows no memory.
+          </Trans>
+        </p>
+      )}
+      {game.attribution && <p>{game.attribution}</p>}
+    </div>
+  );
+}

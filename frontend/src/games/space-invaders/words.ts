@@ -1,0 +1,21 @@
+import { plural, t } from "@lingui/core/macro";
+
+import type { GameWords } from "@/games/view";
+
+export const words: GameWords = {
+  ends: () => ({
+    hit: t`hit by a bomb`,
+    lives: t`hit by a bomb`,
+    landed: t`the aliens landed`,
+    cleared: t`all aliens gone`,
+  }),
+  taken: (count) => plural(count, { one: "# alien hit", other: "# aliens hit" }),
+  takenTitle: () => t`Aliens hit`,
+  noneTaken: () => t`No alien was hit.`,
+  several: () => t`Aliens`,
+  at: (cell) => t`Alien in ${cell}`,
+  chosen: (count) => plural(count, { one: "# alien chosen", other: "# aliens chosen" }),
+  targets: () => t`Target aliens`,
+  choosesTargets: () => t`Target certain aliens`,
+  noTarget: () => t`Pick at least one alien, or turn the target off.`,
+};
