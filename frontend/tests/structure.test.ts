@@ -63,4 +63,18 @@ describe("the source tree", () => {
     const sizeOf = (folder: string) => folders.filter((one) => one === folder).length;
     expect(folders.filter((folder) => sizeOf(folder) > LARGEST_FOLDER)).toEqual([]);
   });
+
+  it("keeps what is in a game in the folder of the game", () => {
+    const words = /aliens?\b|cannon|space.?invaders/i;
+    const elsewhere = modules.filter(
+      (module) =>
+        !/^games\/(space-invaders\/|views\.ts)/.test(module) && module !== "api/schema.d.ts",
+    );
+    const knowing = elsewhere.filter((module) => {
+      const text = (texts[`../src/${module}`] ?? "").replaceAll('"space_invaders"', "");
+      return words.test(text);
+    });
+    expect(elsewhere.length).toBeGreaterThan(100);
+    expect(knowing).toEqual([]);
+  });
 });

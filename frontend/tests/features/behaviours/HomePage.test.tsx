@@ -192,6 +192,8 @@ describe("a new behaviour", () => {
       description: "Never cross the middle.",
       target: null,
       ordered: false,
+      game: "space_invaders",
+      settings: { max_steps: null, end_rule: null, options: {}, hidden: null },
     });
   });
 
