@@ -21,7 +21,10 @@ GROUP = "tril.games"
 _GAMES: Mapping[str, str] = {DEFAULT_GAME: "tril.games.space_invaders:SPACE_INVADERS"}
 """Games with a module of their own, imported when they are asked for."""
 
-_FAMILIES: Sequence[str] = ("tril.games.atari.family:ATARI",)
+_FAMILIES: Sequence[str] = (
+    "tril.games.atari.family:ATARI",
+    "tril.games.gymnasium.family:GYMNASIUM",
+)
 
 
 class UnknownGame(NotFound):

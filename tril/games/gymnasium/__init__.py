@@ -1,0 +1,1 @@
+"""Environments of Gymnasium as games, without a module each."""
