@@ -39,8 +39,12 @@ _KEYS: Mapping[str, tuple[str, ...]] = {
     "slower": ("ArrowLeft", "KeyA"),
     "faster": ("ArrowRight", "KeyD"),
 }
-_SPARE_KEYS = ("Space", *(f"Digit{n}" for n in range(1, 10)), *(f"Key{c}" for c in "QERFTGYHZXCVB"))
-"""For what has no direction, in this order."""
+_SPARE_KEYS = (
+    "Space",
+    *(f"Digit{n}" for n in range(1, 10)),
+    *(f"Key{c}" for c in "QERFTGYHZXCVBNM"),
+)
+"""For what has no direction, in this order: one for each button that there may be."""
 
 
 def action_names(environment: Any, n_actions: int) -> tuple[str, ...]:
@@ -65,8 +69,8 @@ def _told(environment: Any) -> Sequence[str]:
         return list(meanings())
     actions = getattr(environment, "actions", None)
     if isinstance(actions, EnumType):
-        members = {member.value: name for name, member in actions.__members__.items()}
-        return _in_order(members)
+        members: Mapping[str, Any] = actions.__members__
+        return _in_order({member.value: name for name, member in members.items()})
     names = getattr(environment, "action_names", None)
     if isinstance(names, Sequence):
         return names
@@ -108,6 +112,6 @@ def _default_keys(buttons: Sequence[str]) -> dict[str, str]:
             keys.setdefault(key, button)
     spare = iter(key for key in _SPARE_KEYS if key not in keys)
     for button in buttons:
-        if button not in keys.values() and (key := next(spare, None)) is not None:
-            keys[key] = button
+        if button not in keys.values():
+            keys[next(spare)] = button
     return keys

@@ -79,14 +79,18 @@ class Environment:
                 render_mode="rgb_array",
             )
         except ImportError as error:
-            raise UnsuitableEnvironment(f"{self.name} cannot be made: {error}. {_INSTALL}") from error
+            raise UnsuitableEnvironment(
+                f"{self.name} cannot be made: {error}. {_INSTALL}"
+            ) from error
         except DependencyNotInstalled as error:
-            raise UnsuitableEnvironment(f"{self.name} cannot be made: {error}. {_INSTALL}") from error
+            raise UnsuitableEnvironment(
+                f"{self.name} cannot be made: {error}. {_INSTALL}"
+            ) from error
         except Exception as error:  # an environment's own code may raise anything
             if "render_mode" in str(error):
                 raise self.no_pictures() from error
             raise UnsuitableEnvironment(
-                f"{self.name} cannot be made: {type(error).__name__}: {error}"
+                f"{self.name} cannot be made: {type(error).__name__}: {_sentence(error)}"
             ) from error
         if "rgb_array" not in (env.metadata.get("render_modes") or ()):
             raise self.no_pictures()
@@ -179,8 +183,8 @@ class Picture:
         drawn = _drawn(self.name, env)
         if drawn.shape != (self.height, self.width, 3) or drawn.dtype != np.uint8:
             raise UnsuitableEnvironment(
-                f"{self.name} cannot be shown: its pictures change from {self.height, self.width, 3}"
-                f" to {drawn.shape}."
+                f"{self.name} cannot be shown: its pictures change from"
+                f" {(self.height, self.width, 3)} to {drawn.shape}."
             )
         if self.factor == 1:
             return np.array(drawn, np.uint8, order="C")
@@ -194,12 +198,17 @@ def _drawn(name: str, env: AnyEnv) -> Any:
     try:
         drawn = env.render()
     except (ImportError, DependencyNotInstalled) as error:
-        raise UnsuitableEnvironment(f"{name} cannot draw: {error}. {_INSTALL}") from error
+        raise UnsuitableEnvironment(f"{name} cannot draw: {_sentence(error)} {_INSTALL}") from error
     if not isinstance(drawn, np.ndarray):
         raise UnsuitableEnvironment(
             f"{name} cannot be shown: expected pictures as arrays, got {type(drawn).__name__}."
         )
     return drawn
+
+
+def _sentence(error: Exception) -> str:
+    """Return an error's message with a full stop."""
+    return f"{str(error).rstrip('.')}."
 
 
 def find(name: str) -> Environment:
@@ -251,7 +260,7 @@ def _import(module: str, name: str) -> None:
     try:
         import_module(module)
     except ImportError as error:
-        raise UnsuitableEnvironment(f"{name} cannot be imported: {error}.") from error
+        raise UnsuitableEnvironment(f"{name} cannot be imported: {_sentence(error)}") from error
 
 
 @cache

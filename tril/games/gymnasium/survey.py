@@ -27,7 +27,9 @@ MODULES = ("gymnasium", "minigrid", "highway_env")
 NOT_LISTED = ("phys2d/", "tabular/", "GymV", "BabyAI-")
 """Need JAX, are no environments, or have tasks that their pictures do not show."""
 
-_ENTRY = "import sys; from tril.games.gymnasium.survey import print_digest; print_digest(sys.argv[1])"
+_PROGRAM = (
+    "import sys; from tril.games.gymnasium.survey import print_digest; print_digest(sys.argv[1])"
+)
 _FAILED = "failed: "
 
 
@@ -67,7 +69,7 @@ def print_digest(name: str) -> None:
 
 def _digest(name: str, hash_seed: int) -> str:
     played = subprocess.run(
-        [sys.executable, "-c", _ENTRY, name],
+        [sys.executable, "-c", _PROGRAM, name],
         env=os.environ | {"PYTHONHASHSEED": str(hash_seed)},
         capture_output=True,
         check=False,
