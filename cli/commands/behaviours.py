@@ -14,7 +14,7 @@ from rich.table import Table
 
 from cli.output import JsonOption, console, errors, print_json
 from cli.workspace import find_behaviour, open_workspace
-from tril.demonstrators import play_varied
+from tril.demonstrators.varied import play_varied
 from tril.errors import Invalid
 from tril.exchange import behaviour_transfer
 from tril.exchange.formats.behaviour_file import BehaviourRefused

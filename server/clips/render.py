@@ -1,19 +1,21 @@
 """Encodes recordings as GIF, WebP and MP4 at their original speed.
 
-The console's pixels are about twice as wide as high, so each becomes 2x1 pixels of the clip, or 4x2
-in a video, whose colours have half the resolution.
+The pixels of an Atari 2600 are about twice as wide as high, so each becomes 2x1 pixels of the
+clip. In a video, whose colours have half the resolution, every pixel is twice as large in both
+directions.
 
-MP4 has all 60 frames a second. GIF counts in hundredths of a second and WebP in thousandths, so
-both have 20 pictures a second, each the pixel-wise brightest of three frames. The console draws
-some objects in every other frame only; sampled frames would show or hide them by chance.
+MP4 has all frames. GIF counts in hundredths of a second and WebP in thousandths, so both have about
+20 pictures a second. Of 60 frames, each picture is the pixel-wise brightest of three, as the
+console draws some objects in every other frame only; sampled frames would show or hide them by
+chance.
 """
 
 from __future__ import annotations
 
 import io
 import tempfile
-from collections.abc import Callable, Iterator
-from functools import cache
+from collections.abc import Iterable, Iterator
+from itertools import islice
 from pathlib import Path
 
 import av
@@ -22,19 +24,14 @@ import numpy.typing as npt
 from PIL import Image
 
 from server.clips.request import ClipKind
-from tril.games.atari.palette import palette_grayscale, palette_rgb
-from tril.games.base import Console
-from tril.games.space_invaders import memory as game
+from tril.games.base import Clock, Console, Screen, ScreenSpec
 from tril.play.episode import Episode
-from tril.recording import Recording, replay
+from tril.recording import Recorder, Recording
 
-Screens = npt.NDArray[np.uint8]
-"""Palette values, uint8 (n, 210, 160)."""
+PICTURES_PER_S = 20
 
-FRAMES_PER_PICTURE = 3
-PICTURE_MS = FRAMES_PER_PICTURE * 1000 // game.FRAME_RATE_HZ
-
-WIDTH_SCALE = 2
+CONSOLE_WIDTH_SCALE = 2
+"""Width of an Atari's pixel by its height, in whole numbers."""
 VIDEO_SCALE = 2
 """Enlargement of a video in either direction, so that its colours, which have half the resolution,
 have that of the game's pixels."""
@@ -49,59 +46,68 @@ _YCBCR_OFFSET = np.array([16, 128, 128])
 
 def render(recording: Recording, kind: ClipKind, console: Console | None = None) -> bytes:
     """Return a recording as a file of this kind."""
-    make: dict[ClipKind, Callable[[Screens], bytes]] = {
-        ClipKind.GIF: _gif,
-        ClipKind.WEBP: _webp,
-        ClipKind.MP4: _mp4,
-    }
-    return make[kind](_screens(recording, console))
+    screen, clock = recording.game.screen, recording.game.clock
+    frames = _frames(recording, console)
+    if kind is ClipKind.MP4:
+        return _mp4(frames, screen, clock.frame_rate_hz)
+    n = frames_per_picture(clock)
+    pictures = (_picture(shown, screen) for shown in _joined(frames, n, screen))
+    picture_ms = n * 1000 // clock.frame_rate_hz
+    if kind is ClipKind.GIF:
+        return _animated(pictures, "GIF", picture_ms, optimize=False, disposal=1)
+    # For lossless files, quality is the effort of compression.
+    rgb = (picture.convert("RGB") for picture in pictures)
+    return _animated(rgb, "WEBP", picture_ms, lossless=True, quality=20, method=0)
 
 
-def brightest(screens: Screens, n: int = FRAMES_PER_PICTURE) -> Screens:
-    """Return the pixel-wise brightest of every n successive screens, ceil(len / n) screens."""
-    gray = palette_grayscale()
-    shown = np.empty((-(-len(screens) // n), *screens.shape[1:]), np.uint8)
-    for index, picture in enumerate(shown):
-        among = screens[index * n : (index + 1) * n]
-        at = gray[among].argmax(axis=0)[None]
-        picture[:] = np.take_along_axis(among, at, axis=0)[0]
+def frames_per_picture(clock: Clock) -> int:
+    """Return the number of frames that a picture of a GIF or WebP stands for."""
+    return max(1, round(clock.frame_rate_hz / PICTURES_PER_S))
+
+
+def _frames(recording: Recording, console: Console | None) -> Iterator[Screen]:
+    """Yield the screens at the start and after every frame."""
+    console = console or recording.game.make_console()
+    console.game = recording.game
+    recorder = Recorder(Episode(console, recording.start, recording.end_rule))
+    yield console.screen()
+    for action in recording.actions:
+        if recorder.episode.end is not None:
+            return
+        recorder.advance(action)
+        yield console.screen()
+
+
+def _joined(frames: Iterator[Screen], n: int, screen: ScreenSpec) -> Iterator[Screen]:
+    """Yield one screen for every n successive ones: the brightest, or the last where RGB."""
+    while among := list(islice(frames, n)):
+        gray = screen.grayscale
+        yield among[-1] if gray is None else brightest(np.array(among), gray)
+
+
+def brightest(among: npt.NDArray[np.uint8], grayscale: npt.NDArray[np.uint8]) -> Screen:
+    """Return the pixel-wise brightest of screens of palette values.
+
+    Args:
+        among: The screens, uint8 (n, height, width).
+        grayscale: Grays by palette value, uint8 (256,).
+    """
+    at = grayscale[among].argmax(axis=0)[None]
+    shown: Screen = np.take_along_axis(among, at, axis=0)[0]
     return shown
 
 
-def _screens(recording: Recording, console: Console | None) -> Screens:
-    screens = np.empty((recording.n_frames + 1, *game.SCREEN_SHAPE), np.uint8)
-
-    def look(episode: Episode) -> None:
-        episode.console.screen(screens[episode.frame])
-
-    played = replay(recording, console, look)
-    return screens[: played.n_frames + 1]
+def _picture(shown: Screen, screen: ScreenSpec) -> Image.Image:
+    if screen.palette is None:
+        return Image.fromarray(shown)
+    picture = Image.fromarray(shown.repeat(CONSOLE_WIDTH_SCALE, axis=1))
+    picture.putpalette(screen.palette.tobytes())
+    return picture
 
 
-def _gif(screens: Screens) -> bytes:
-    colours = palette_rgb().tobytes()
-
-    def pictures() -> Iterator[Image.Image]:
-        for screen in brightest(screens):
-            picture = Image.fromarray(screen.repeat(WIDTH_SCALE, axis=1))
-            picture.putpalette(colours)
-            yield picture
-
-    return _animated(pictures(), "GIF", optimize=False, disposal=1)
-
-
-def _webp(screens: Screens) -> bytes:
-    colours = palette_rgb()
-
-    def pictures() -> Iterator[Image.Image]:
-        for screen in brightest(screens):
-            yield Image.fromarray(colours[screen.repeat(WIDTH_SCALE, axis=1)])
-
-    # For lossless files, quality is the effort of compression.
-    return _animated(pictures(), "WEBP", lossless=True, quality=20, method=0)
-
-
-def _animated(pictures: Iterator[Image.Image], form: str, **options: object) -> bytes:
+def _animated(
+    pictures: Iterator[Image.Image], form: str, picture_ms: int, **options: object
+) -> bytes:
     file = io.BytesIO()
     first = next(pictures)
     first.save(
@@ -109,44 +115,48 @@ def _animated(pictures: Iterator[Image.Image], form: str, **options: object) -> 
         form,
         save_all=True,
         append_images=pictures,
-        duration=PICTURE_MS,
+        duration=picture_ms,
         loop=0,
         **options,
     )
     return file.getvalue()
 
 
-def _mp4(screens: Screens) -> bytes:
+def _mp4(frames: Iterable[Screen], screen: ScreenSpec, frame_rate_hz: int) -> bytes:
+    width_scale = 1 if screen.palette is None else CONSOLE_WIDTH_SCALE
+    table = None if screen.palette is None else _ycbcr(screen.palette)
     # faststart moves the index to the beginning, for which the output has to be seekable.
     with tempfile.TemporaryDirectory(prefix="tril-clip-") as folder:
         place = Path(folder) / "clip.mp4"
         with av.open(str(place), "w", options={"movflags": "faststart"}) as file:
-            stream = file.add_stream("libx264", rate=game.FRAME_RATE_HZ)
-            height, width = game.SCREEN_SHAPE
-            stream.width = width * WIDTH_SCALE * VIDEO_SCALE
-            stream.height = height * VIDEO_SCALE
+            stream = file.add_stream("libx264", rate=frame_rate_hz)
+            stream.width = screen.width * width_scale * VIDEO_SCALE
+            stream.height = screen.height * VIDEO_SCALE
             stream.pix_fmt = "yuv420p"
             stream.options = {"crf": _CRF, "preset": "veryfast"}
             stream.codec_context.thread_count = 1
-            for screen in screens:
-                frame = av.VideoFrame.from_ndarray(_planes(screen), format="yuv420p")
-                file.mux(stream.encode(frame))
+            for shown in frames:
+                colours = _ycbcr(shown) if table is None else table[:, shown]
+                planes = _planes(colours.repeat(width_scale, axis=2))
+                file.mux(stream.encode(av.VideoFrame.from_ndarray(planes, format="yuv420p")))
             file.mux(stream.encode())
         return place.read_bytes()
 
 
-def _planes(screen: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
-    """Y, then Cb and Cr at half the resolution, below each other: uint8 (height * 3/2, width)."""
-    luma, *chroma = palette_ycbcr()[:, screen]
-    y = luma.repeat(WIDTH_SCALE * VIDEO_SCALE, axis=1).repeat(VIDEO_SCALE, axis=0)
-    parts = [y, *(plane.repeat(WIDTH_SCALE, axis=1) for plane in chroma)]
-    return np.concatenate([part.reshape(-1) for part in parts]).reshape(-1, y.shape[1])
+def _planes(colours: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+    """Return Y at twice the resolution, then Cb and Cr, below each other.
+
+    Args:
+        colours: Y, Cb, Cr, uint8 (3, height, width).
+
+    Returns:
+        uint8 (3 * height, 2 * width).
+    """
+    y = colours[0].repeat(VIDEO_SCALE, axis=1).repeat(VIDEO_SCALE, axis=0)
+    return np.concatenate([y.reshape(-1), colours[1:].reshape(-1)]).reshape(-1, y.shape[1])
 
 
-@cache
-def palette_ycbcr() -> npt.NDArray[np.uint8]:
-    """Return the palette in BT.601, uint8 (3, 256): Y, Cb, Cr by palette value."""
-    values = palette_rgb() / 255 @ _YCBCR.T + _YCBCR_OFFSET
-    colours: npt.NDArray[np.uint8] = np.rint(values).astype(np.uint8).T.copy()
-    colours.setflags(write=False)
-    return colours
+def _ycbcr(rgb: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+    """Return colours, uint8 (..., 3) RGB, in BT.601, uint8 (3, ...): Y, Cb, Cr."""
+    values = rgb / 255 @ _YCBCR.T + _YCBCR_OFFSET
+    return np.moveaxis(np.rint(values).astype(np.uint8), -1, 0)

@@ -14,13 +14,23 @@ from PIL import Image, ImageSequence
 from starlette.testclient import TestClient
 
 from server.clips import ClipKind, ClipMaker
-from server.clips.render import FRAMES_PER_PICTURE, PICTURE_MS, brightest
+from server.clips.render import brightest, frames_per_picture, render
 from tests.server.clients import replayed, stored
 from testsupport.workplace import FRAMES, Workplace
 from tril.errors import Invalid, Unavailable
 from tril.files.cache import sealed
+from tril.games import game_named
 from tril.games.atari.palette import palette_grayscale, palette_rgb
 from tril.recording import Recording
+
+FRAMES_PER_PICTURE, PICTURE_MS = 3, 50
+
+
+def pictures_of(screens: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+    """Return the brightest of every three screens, the last one or two included."""
+    groups = range(0, len(screens), FRAMES_PER_PICTURE)
+    gray = palette_grayscale()
+    return np.array([brightest(screens[at : at + FRAMES_PER_PICTURE], gray) for at in groups])
 
 
 @pytest.fixture
@@ -45,7 +55,7 @@ def clip(client: TestClient, recording_id: int, kind: str) -> bytes:
 def test_pictures_show_the_brightest_of_every_three_frames_in_their_own_colours(
     client: TestClient, workplace: Workplace, screens: npt.NDArray[np.uint8], kind: str
 ) -> None:
-    expected = palette_rgb()[brightest(screens).repeat(2, axis=2)]
+    expected = palette_rgb()[pictures_of(screens).repeat(2, axis=2)]
     at_ms = 0
     with Image.open(io.BytesIO(clip(client, workplace.ranked[3], kind))) as animation:
         # Pictures that equal the one before may be one that is shown for longer.
@@ -79,12 +89,34 @@ def test_a_video_has_every_frame_at_60_hz_and_looks_the_same(
 def test_what_is_drawn_in_one_frame_of_three_only_is_shown(
     screens: npt.NDArray[np.uint8],
 ) -> None:
-    pictures = brightest(screens)
+    pictures = pictures_of(screens)
     assert len(pictures) == -(-len(screens) // FRAMES_PER_PICTURE)
     gray = palette_grayscale()
     for index, picture in enumerate(pictures):
         among = screens[index * 3 : index * 3 + 3]
         np.testing.assert_array_equal(gray[picture], gray[among].max(axis=0))
+
+
+@pytest.mark.parametrize("name", ["gym:CartPole-v1", "gym:MiniGrid-DoorKey-5x5-v0"])
+def test_games_in_red_green_and_blue_have_clips_at_their_own_rate(name: str) -> None:
+    game = game_named(name)
+    actions = bytes(number % game.controls.n_actions for number in range(8))
+    recording = Recording(game, game.starts.training[0], actions)
+    screens = replayed(recording, lambda console: console.screen())
+    with av.open(io.BytesIO(render(recording, ClipKind.MP4)), "r") as video:
+        assert video.streams.video[0].average_rate == game.clock.frame_rate_hz
+        frames = [frame.to_ndarray(format="rgb24") for frame in video.decode(video=0)]
+    assert len(frames) == len(screens) == 9
+    for frame, screen in zip(frames, screens, strict=True):
+        expected = screen.repeat(2, axis=0).repeat(2, axis=1)
+        assert np.abs(frame.astype(int) - expected).mean() < 3
+    n = frames_per_picture(game.clock)
+    with Image.open(io.BytesIO(render(recording, ClipKind.WEBP))) as animation:
+        shown = np.asarray(animation.convert("RGB"))
+        assert animation.info["duration"] == n * 1000 // game.clock.frame_rate_hz
+    np.testing.assert_array_equal(shown, screens[n - 1])
+    with Image.open(io.BytesIO(render(recording, ClipKind.GIF))) as animation:
+        assert animation.size == (game.screen.width, game.screen.height)
 
 
 def test_a_clip_is_made_once(client: TestClient, workplace: Workplace) -> None:
