@@ -207,6 +207,8 @@ def _play_again(
     env.reset(seed=1)
     env.step(environment.first_action(env))
     player = _Player(environment, env)
+    if screen_hash(picture.of(env)) != seen[0]:
+        return 0
     every = 1 if picture.every_frame else CHECKED_EVERY
     actions = _actions(environment, env)[: len(seen) // 2]
     for frame, action in enumerate(actions, start=1):
