@@ -73,7 +73,9 @@ def game_titles() -> dict[str, str]:
 
 def ready_made() -> list[Behaviour]:
     """Return the behaviours that come with games that have a module of their own."""
-    return [behaviour for name in _GAMES for behaviour in game_named(name).behaviours]
+    games = [game_named(name) for name in _GAMES]
+    games += [source for source in _sources() if isinstance(source, Game)]
+    return [behaviour for game in games for behaviour in game.behaviours]
 
 
 @cache

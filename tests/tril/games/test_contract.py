@@ -2,12 +2,15 @@
 
 import json
 import pickle
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
 
-from tril.games import game_named
+from tests.tril.games.examples import examples_installed
+from tril.games import game_named, game_titles, ready_made
 from tril.games.base import Console, EndKind, Game, Start, UnknownStart, start_of
+from tril.games.seeds import SeedStart
 from tril.play.episode import Episode
 from tril.recording import Recorder, trajectory, verify
 
@@ -18,13 +21,21 @@ GAMES = (
     "gym:CartPole-v1",
     "gym:MiniGrid-DoorKey-5x5-v0",
     "gym:highway-fast-v0",
+    "catch",
+    "gym:Catch-v0",
 )
 FRAMES = 24
 """Fewer than the shortest game of random actions may have would be too few to tell anything."""
 
 
+@pytest.fixture(scope="module", autouse=True)
+def installed() -> Iterator[None]:
+    with examples_installed():
+        yield
+
+
 @pytest.fixture(scope="module", params=GAMES)
-def game(request: pytest.FixtureRequest) -> Game:
+def game(request: pytest.FixtureRequest, installed: None) -> Game:
     return game_named(request.param)
 
 
@@ -216,3 +227,29 @@ def test_a_recording_replays_and_yields_observations(game: Game, console: Consol
     seen = trajectory(recording, console)
     assert len(seen.actions) == game.clock.n_steps(recording.n_frames)
     assert seen.observations.max() > 0
+
+
+def test_the_examples_of_the_documentation_are_found_as_installed_games_are() -> None:
+    assert game_titles()["catch"] == "Catch"
+    catch = game_named("catch")
+    assert set(catch.behaviours) <= set(ready_made())
+    for behaviour in catch.behaviours:
+        catch.check_target(behaviour)
+
+
+def test_fruits_caught_are_items_of_the_example() -> None:
+    catch = game_named("catch")
+    start = SeedStart(4)
+    columns = [int(c) for c in np.random.default_rng(4).integers(7, size=10)]
+    for end_rule, end in (("miss", "caught"), ("all", "caught")):
+        episode = Episode(catch.make_console(), start, end_rule)
+        while episode.end is None:
+            wanted = columns[len(episode.taken)]
+            basket = int(episode.console.screen()[-1, :, 2].argmax()) // 8
+            episode.advance(0 if basket == wanted else 1 if wanted < basket else 2)
+        assert episode.end == end
+        assert [one.cell for one in episode.taken] == list(enumerate(columns))
+    missed = Episode(catch.make_console(), start, "miss")
+    while missed.end is None:
+        missed.advance(1)
+    assert (missed.end, missed.counters) == ("missed", {"missed": 1})

@@ -17,7 +17,7 @@ from tril.games.base import EndKind
 from tril.games.gymnasium.console import GymnasiumConsole, PlayedState
 from tril.games.gymnasium.controls import action_names, controls_of
 from tril.games.gymnasium.listing import listed
-from tril.games.gymnasium.starts import GymnasiumStart
+from tril.games.seeds import SeedStart
 from tril.play.episode import Episode
 from tril.play.observation import AgentView
 
@@ -27,7 +27,7 @@ _SHARED = np.random.default_rng(0)
 Action = int | np.integer[Any]
 
 
-class Dot(gymnasium.Env[int, Action]):
+class Dot(gymnasium.Env[Any, Any]):
     """A dot that walks to the right with action 1; the game is over at the right edge."""
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 15}  # noqa: RUF012 - as gymnasium does
@@ -155,7 +155,7 @@ class Limited(Dot):
         return at, reward, False, self.n_steps >= self.max_steps, info
 
 
-_KINDS = (
+_KINDS: tuple[Any, ...] = (
     Dot, Wide, Continuous, ManyActions, Blind, Gray, Growing, Still, Random, SharedSeed, Forgetful,
     Trail, Broken, Limited,
 )  # fmt: skip
@@ -214,7 +214,7 @@ def test_unknown_names_are_refused_with_what_to_do(name: str, reason: str) -> No
 def test_a_game_is_over_where_the_environment_terminates() -> None:
     game = game_named(name_of(Dot))
     console = game.make_console()
-    episode = Episode(console, GymnasiumStart(3))
+    episode = Episode(console, SeedStart(3))
     while episode.end is None:
         episode.advance(1)
     assert episode.end == "over"
@@ -229,7 +229,7 @@ def test_a_game_is_over_where_the_environment_terminates() -> None:
 def test_an_environment_that_truncates_ends_by_time() -> None:
     game = game_named(name_of(Limited))
     assert game.clock.max_steps == 30
-    longer = Episode(game.make_console(), GymnasiumStart(0), max_frames=100)
+    longer = Episode(game.make_console(), SeedStart(0), max_frames=100)
     while longer.end is None:
         longer.advance(0)
     assert (longer.end, longer.frame) == ("steps", 30)
@@ -241,7 +241,7 @@ def test_a_time_limit_is_the_clocks_and_not_the_environments() -> None:
     assert game.clock.max_steps == 200
     assert (game.clock.frame_rate_hz, game.clock.frames_per_step) == (15, 1)
     console = game.make_console()
-    episode = Episode(console, GymnasiumStart(0), max_frames=300)
+    episode = Episode(console, SeedStart(0), max_frames=300)
     for _ in range(250):
         episode.advance(0)
     assert episode.end is None
@@ -251,7 +251,7 @@ def test_large_pictures_are_reduced_by_a_whole_number() -> None:
     game = game_named(name_of(Wide))
     assert (game.screen.height, game.screen.width) == (3, 216)
     console = game.make_console()
-    console.start(GymnasiumStart(0))
+    console.start(SeedStart(0))
     assert console.screen().shape == game.screen.shape
 
 
@@ -260,7 +260,7 @@ def test_a_picture_that_depends_on_those_before_is_drawn_at_every_frame() -> Non
 
     def last_screen(looks: bool) -> bytes:
         console = game.make_console()
-        console.start(GymnasiumStart(1))
+        console.start(SeedStart(1))
         for _ in range(6):
             console.act(1)
             if looks:
@@ -272,7 +272,7 @@ def test_a_picture_that_depends_on_those_before_is_drawn_at_every_frame() -> Non
 
 def test_a_state_is_the_seed_and_the_actions() -> None:
     console = game_named("gym:CartPole-v1").make_console()
-    console.start(GymnasiumStart(9))
+    console.start(SeedStart(9))
     for action in (0, 1, 1):
         console.act(action)
     state = console.save()
@@ -285,7 +285,7 @@ def test_a_state_is_the_seed_and_the_actions() -> None:
 def test_a_state_ahead_of_the_game_is_reached_without_beginning_again() -> None:
     console = game_named("gym:CartPole-v1").make_console()
     assert isinstance(console, GymnasiumConsole)
-    console.start(GymnasiumStart(9))
+    console.start(SeedStart(9))
     console.act(0)
     early = console.save()
     console.act(1)
@@ -300,19 +300,19 @@ def test_a_console_that_is_closed_leaves_the_others_alone() -> None:
     game = game_named("gym:CartPole-v1")
     kept, closed = game.make_console(), game.make_console()
     for console in (kept, closed):
-        console.start(GymnasiumStart(0))
+        console.start(SeedStart(0))
         console.screen()
     closed.close()
     kept.act(1)
     kept.screen()
     with pytest.raises(ValueError, match="closed"):
-        closed.start(GymnasiumStart(0))
+        closed.start(SeedStart(0))
 
 
 def test_an_observation_shows_every_frame() -> None:
     game = game_named(name_of(Dot))
     console = game.make_console()
-    console.start(GymnasiumStart(0))
+    console.start(SeedStart(0))
     view = AgentView(game)
     view.reset(console)
     places = [int(view.observation[-1].max(0).argmax())]

@@ -10,7 +10,7 @@ import numpy as np
 
 from tril.games.base import ConsoleState, Game, Screen, Start
 from tril.games.gymnasium.environment import AnyEnv, Environment, Picture
-from tril.games.gymnasium.starts import GymnasiumStart
+from tril.games.seeds import SeedStart
 
 _STATE_HEADER = struct.Struct("<BI")
 _STATE_VERSION = 1
@@ -71,7 +71,7 @@ class GymnasiumConsole:
 
     def start(self, start: Start) -> None:
         """Begin a game: reset the environment with the start's seed."""
-        if not isinstance(start, GymnasiumStart):
+        if not isinstance(start, SeedStart):
             raise TypeError(f"Expected a start of a Gymnasium environment, got {start!r}.")
         self._begin(start.seed)
 

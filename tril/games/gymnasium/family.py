@@ -23,7 +23,7 @@ from tril.games.gymnasium.environment import (
     titles,
 )
 from tril.games.gymnasium.readout import ENDS, OVER, GymnasiumReadout
-from tril.games.gymnasium.starts import GymnasiumStarts
+from tril.games.seeds import SeedStarts
 from tril.games.settings import MIN_STEPS
 
 LONGEST_STEPS = 1000
@@ -110,7 +110,7 @@ def _game(environment: Environment, env: AnyEnv, picture: Picture, first: Screen
             max_steps=_max_steps(environment.spec.max_episode_steps, env.unwrapped),
         ),
         controls=controls,
-        starts=GymnasiumStarts(environment.title, n_actions),
+        starts=SeedStarts(environment.title, n_actions),
         screen=ScreenSpec(
             height,
             width,

@@ -1,4 +1,4 @@
-"""How games of an environment begin: by the seed of its reset."""
+"""Starts of games that draw what they need from a seed."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ MAX_SEED = 2**31 - 1
 FIRST_EVALUATION_SEED = 1_000_000
 """Seed of the first evaluation start; the others follow. Those of training begin at 0."""
 LONGEST_OPENING = 4
-"""Steps; more of them would end the games of some environments."""
+"""Steps; more of them would end some games."""
 _OPENING_SEED = 1
 
 
 @dataclass(frozen=True, order=True)
-class GymnasiumStart(Start):
+class SeedStart(Start):
     """How a game begins.
 
     Attributes:
-        seed: What the environment is reset with, 0 to 2**31 - 1.
+        seed: Of the game's draws, 0 to 2**31 - 1.
     """
 
     seed: int
@@ -41,8 +41,8 @@ class GymnasiumStart(Start):
 
 
 @dataclass(frozen=True)
-class GymnasiumStarts:
-    """The starts of one environment.
+class SeedStarts:
+    """The starts of one game.
 
     Attributes:
         title: The game's name for people, for errors.
@@ -56,14 +56,14 @@ class GymnasiumStarts:
     @cached_property
     def training(self) -> Sequence[Start]:
         """The starts for play, demonstrations and training."""
-        return tuple(GymnasiumStart(seed) for seed in range(TRAINING_START_COUNT))
+        return tuple(SeedStart(seed) for seed in range(TRAINING_START_COUNT))
 
     @property
     def options(self) -> Mapping[str, Sequence[int]]:
         """Nothing to choose."""
         return {}
 
-    def with_options(self, options: Mapping[str, int]) -> GymnasiumStarts:
+    def with_options(self, options: Mapping[str, int]) -> SeedStarts:
         """Return these starts.
 
         Raises:
@@ -73,8 +73,8 @@ class GymnasiumStarts:
             raise UnknownStart(f"{self.title} has no {name!r} to choose.")
         return self
 
-    def parse(self, data: JsonObject) -> GymnasiumStart:
-        """Read what `GymnasiumStart.to_json` returned.
+    def parse(self, data: JsonObject) -> SeedStart:
+        """Read what `SeedStart.to_json` returned.
 
         Raises:
             UnknownStart: The seed is missing or out of its range, or there is another value.
@@ -89,9 +89,9 @@ class GymnasiumStarts:
             raise UnknownStart(f"Expected an integer for a start's seed, got {seed!r}.")
         if not 0 <= seed <= MAX_SEED:
             raise UnknownStart(f"Expected a seed from 0 to {MAX_SEED}, got {seed}.")
-        return GymnasiumStart(seed)
+        return SeedStart(seed)
 
-    def evaluation(self, number: int) -> GymnasiumStart:
+    def evaluation(self, number: int) -> SeedStart:
         """Return the evaluation start with this start number.
 
         Raises:
@@ -101,17 +101,17 @@ class GymnasiumStarts:
             raise UnknownStart(
                 f"Expected a start number from 0 to {self.n_evaluation - 1}, got {number}."
             )
-        return GymnasiumStart(FIRST_EVALUATION_SEED + number)
+        return SeedStart(FIRST_EVALUATION_SEED + number)
 
     def evaluation_number(self, start: Start) -> int | None:
         """Return the start number of an evaluation start, None for others."""
-        if not isinstance(start, GymnasiumStart):
+        if not isinstance(start, SeedStart):
             return None
         number = start.seed - FIRST_EVALUATION_SEED
         return number if 0 <= number < self.n_evaluation else None
 
     def draw_opening(self, start: Start, rng: np.random.Generator) -> Opening:
-        """Draw up to four steps of any actions: not every environment uses its seed."""
+        """Draw up to four steps of any actions: not every game uses its seed."""
         n_steps = int(rng.integers(LONGEST_OPENING, endpoint=True))
         return Opening(start, tuple(int(a) for a in rng.integers(self.n_actions, size=n_steps)))
 
