@@ -162,6 +162,9 @@ class GameClient:
         deadline = time.monotonic() + timeout_s
         while isinstance(data := self.socket.recv(timeout=deadline - time.monotonic()), str):
             message = parse_server(data)
+            if isinstance(message, Hello):
+                channels = (3,) if message.palette is None else ()
+                self._decoder = FrameDecoder((message.height, message.width, *channels))
             if not isinstance(message, Alive):
                 return message
         frame = parse_frame(data)

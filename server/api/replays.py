@@ -20,6 +20,7 @@ from server.play.replays import ReplayTask
 from server.play.replays.products import read_observation, read_observations
 from server.replay_cache import ReplayCache, version_of
 from server.web.problems import NOT_FOUND
+from tril.errors import NotFound
 from tril.games import game_of
 from tril.games.settings import MAX_STEPS
 from tril.inference import AttentionMethod, AttentionNetwork, GivenUp
@@ -106,7 +107,13 @@ def get_recording_thumbnail(source: Source) -> Response:
 
 @router.get("/recordings/{recording_id}/memory", **_file_route(_BYTES))
 def get_recording_memory(source: Source) -> Response:
-    """Return the RAM at the start and after every frame of a recording, 128 bytes each."""
+    """Return the memory at the start and after every frame of a recording, as many bytes each.
+
+    An Atari 2600 has 128 bytes; a game that has no memory to show is refused.
+    """
+    game = source.recording.game
+    if not game.has_memory:
+        raise NotFound(f"{game.title} shows no memory.")
     return source.file(ReplayTask.MEMORY, _BYTES)
 
 

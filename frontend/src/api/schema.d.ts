@@ -1018,7 +1018,9 @@ export interface paths {
         };
         /**
          * Get Recording Memory
-         * @description Return the RAM at the start and after every frame of a recording, 128 bytes each.
+         * @description Return the memory at the start and after every frame of a recording, as many bytes each.
+         *
+         *     An Atari 2600 has 128 bytes; a game that has no memory to show is refused.
          */
         get: operations["get_recording_memory"];
         put?: never;

@@ -84,13 +84,7 @@ def thumbnail_png(recording: Recording, console: Console | None = None) -> bytes
 
 
 def memory_file(recording: Recording, console: Console | None = None) -> bytes:
-    """Return the memory at the start and after every frame, as many bytes each.
-
-    Raises:
-        NotFound: The game shows no memory.
-    """
-    if not recording.game.has_memory:
-        raise NotFound(f"{recording.game.title} shows no memory.")
+    """Return the memory at the start and after every frame, as many bytes each."""
     memory: list[bytes] = []
     replay(recording, console, lambda episode: memory.append(episode.console.ram_bytes()))
     return b"".join(memory)

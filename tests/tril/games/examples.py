@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from importlib.metadata import EntryPoint
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
 import pytest
@@ -18,14 +18,13 @@ FOLDER = Path(__file__).parents[3] / "docs" / "examples"
 @contextmanager
 def examples_installed() -> Iterator[None]:
     """Install the example games for a while."""
-    entry_points = tril.games.entry_points
 
     def with_catch(**selection: str) -> list[EntryPoint]:
         catch = EntryPoint("catch", "catch_game:CATCH", tril.games.GROUP)
-        return [*entry_points(**selection), catch]
+        return [*entry_points(group=selection["group"]), catch]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(tril.games, "entry_points", with_catch)
+        patch.setattr("tril.games.entry_points", with_catch)
         patch.syspath_prepend(FOLDER)
         _forget()
         __import__("catch_env")

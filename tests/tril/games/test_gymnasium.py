@@ -140,6 +140,11 @@ class Broken(Dot):
         raise RuntimeError("no licence")
 
 
+class Failing(Dot):
+    def step(self, action: Action) -> tuple[int, float, bool, bool, dict[str, Any]]:
+        raise KeyError("level 2")
+
+
 class Limited(Dot):
     """Counts its steps itself."""
 
@@ -157,7 +162,7 @@ class Limited(Dot):
 
 _KINDS: tuple[Any, ...] = (
     Dot, Wide, Continuous, ManyActions, Blind, Gray, Growing, Still, Random, SharedSeed, Forgetful,
-    Trail, Broken, Limited,
+    Trail, Broken, Failing, Limited,
 )  # fmt: skip
 
 
@@ -187,6 +192,7 @@ def name_of(kind: type) -> str:
         (SharedSeed, "not deterministic"),
         (Forgetful, "not deterministic"),
         (Broken, "RuntimeError: no licence"),
+        (Failing, "fails when it is played: KeyError: 'level 2'"),
     ],
 )
 def test_what_cannot_be_played_is_refused_with_the_reason(kind: type, reason: str) -> None:

@@ -85,10 +85,17 @@ def examine(environment: Environment) -> Examined:
         raise UnsuitableEnvironment(
             f"{environment.name} has {n_actions} actions; at most {MOST_ACTIONS} can have a key."
         )
-    env.reset(seed=0)
-    picture = Picture.first_of(environment.name, env)
-    first = picture.of(env)
-    picture, digest = _check_determinism(environment, env, picture)
+    try:
+        env.reset(seed=0)
+        picture = Picture.first_of(environment.name, env)
+        first = picture.of(env)
+        picture, digest = _check_determinism(environment, env, picture)
+    except UnsuitableEnvironment:
+        raise
+    except Exception as error:  # an environment's own code may raise anything
+        raise UnsuitableEnvironment(
+            f"{environment.name} fails when it is played: {type(error).__name__}: {error}"
+        ) from error
     return Examined(_game(environment, env, picture, first), digest)
 
 
