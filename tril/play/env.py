@@ -71,6 +71,8 @@ class TrilEnv(gymnasium.Env[Observation, np.int64]):
             raise ValueError(f"Expected a reward of {', '.join(rewards)}, got {reward!r}.")
         if render_mode not in (None, *get_args(RenderMode)):
             raise ValueError(f'Expected render_mode None or "rgb_array", got {render_mode!r}.')
+        if end_rule is not None:
+            self._game.check_end_rule(end_rule)
         clock = self._game.clock
         self.metadata = self.metadata | {
             "render_fps": max(1, clock.frame_rate_hz // clock.frames_per_step)

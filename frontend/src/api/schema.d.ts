@@ -848,7 +848,7 @@ export interface paths {
         };
         /**
          * List Recipes
-         * @description Return the recipes, the proposed one first.
+         * @description Return the recipes that a game can be trained with, the proposed one first.
          */
         get: operations["list_recipes"];
         put?: never;
@@ -7310,7 +7310,10 @@ export interface operations {
     };
     list_recipes: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description Its name. */
+                game?: string;
+            };
             header?: never;
             path?: never;
             cookie?: never;
@@ -7346,6 +7349,15 @@ export interface operations {
             };
             /** @description You may not do this, or it comes from another site. */
             403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -64,7 +64,11 @@ def test_a_person_adds_changes_and_deletes_a_behaviour(client: TestClient) -> No
         ({"name": ""}, "Name is too short."),
         ({"name": "a" * 121}, "Name can have at most 120 characters."),
         ({"name": "a", "ordered": "perhaps"}, "Ordered has to be true or false."),
-        ({"name": "a", "target": [[0, 9]]}, "Target has to be at most 5."),
+        ({"name": "a", "target": [[0, 256]]}, "Target has to be at most 255."),
+        (
+            {"name": "a", "target": [[0, 9]]},
+            "Expected target aliens in rows 0..5 and columns 0..5, got (0, 9).",
+        ),
         ({"name": "a", "colour": "red"}, "Colour is not known here."),
     ],
 )

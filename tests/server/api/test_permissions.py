@@ -78,7 +78,15 @@ OF_BEHAVIOUR = {
     "list_shown_recordings",
 }
 """Operations on behaviours that a participant may play; what they answer is filtered."""
-OF_ONESELF = {"get_player", "update_player", "sign_out", "list_behaviours", "create_game"}
+OF_ONESELF = {
+    "get_player",
+    "update_player",
+    "sign_out",
+    "list_behaviours",
+    "create_game",
+    "get_title",
+    "get_title_picture",
+}
 """Operations that everybody may do who is signed in."""
 OF_OWNER = {
     "list_people",
@@ -96,6 +104,8 @@ OF_OWNER = {
 OF_WORKER = {"let_worker_in"}
 """Operations that only a worker's key may do."""
 STREAM = "stream_events"
+PUBLIC = {"name": "space_invaders"}
+"""What parameters of paths name that is nobody's."""
 
 
 @dataclass(frozen=True)
@@ -182,7 +192,7 @@ class World:
 
     def ask(self, role: str, method: str, path: str, ids: dict[str, Any]) -> Any:
         """Ask for an operation on things, as somebody of a role."""
-        url = re.sub(r"{(\w+)}", lambda name: str(ids[name[1]]), path)
+        url = re.sub(r"{(\w+)}", lambda name: str((ids | PUBLIC)[name[1]]), path)
         query = {"step": "0", "method": "gradient"} if "attention" in path else {}
         if path.endswith("/library/recordings"):
             query = {"recording": str(ids["recording_id"])}

@@ -7,7 +7,6 @@ from starlette.testclient import TestClient
 
 from tests.server.clients import replayed, stored
 from testsupport.workplace import FRAMES, Workplace
-from tril.games.base import Console
 from tril.games.space_invaders import memory as game
 from tril.store.models import RecordingRow, RecordingState
 
@@ -34,7 +33,9 @@ def test_memory_is_that_of_a_replay_at_the_start_and_after_every_frame(
     assert "immutable" in answer.headers["cache-control"]
     memory = np.frombuffer(answer.content, np.uint8).reshape(-1, game.RAM_SIZE)
     recording = stored(workplace.database, workplace.ranked[3])
-    assert [row.tobytes() for row in memory] == replayed(recording, Console.ram_bytes)
+    assert [row.tobytes() for row in memory] == replayed(
+        recording, lambda console: console.ram_bytes()
+    )
     names = {cell["name"]: cell["address"] for cell in course["memory_names"]}
     cannon = memory[:, names["cannon, x"]].astype(int)
     assert cannon[0] == game.PLAYER_LEFT_WALL

@@ -302,7 +302,7 @@ def _with(path: str, value: object) -> Callable[[File], None]:
         (_with("rankings.0.change", "magic"), "rankings.0.change"),
         (_with("target", [[6, 0]]), "target aliens in rows 0..5"),
         (_with("game", "pong"), "Recording 1 is of space_invaders, the behaviour of pong"),
-        (_with("game", "no_such"), "no game 'no_such'"),
+        (_with("recordings.0.recording.game", "no_such"), "Recording 1 is of no_such"),
         (_with("settings", {"max_steps": 1}), "25 to 6000 steps"),
     ],
 )

@@ -447,6 +447,7 @@ PARENT = """
     import os, signal, sys, time
     import numpy as np
     from pathlib import Path
+    from tril.games.space_invaders import SPACE_INVADERS
     from tril.play.vector.reset_distribution import TrainingStarts
     from tril.play.vector.vector_game import VectorGame
 
