@@ -17,6 +17,7 @@ from tril import __version__
 from tril.demonstrators.varied import has_player
 from tril.games import game_named, game_titles
 from tril.games.settings import MAX_STEPS
+from tril.play.pictures import drawn_picture
 from tril.sample import sample
 from tril.store.models import BehaviourRow, RecordingRow, Source
 
@@ -91,7 +92,10 @@ def get_title(name: str) -> TaughtGame:
 )
 def get_title_picture(request: Request, name: str) -> Response:
     """Return a picture of a game, some seconds after its start."""
-    content = services_of(request).replay_cache.get(sample(game_named(name)), ReplayTask.THUMBNAIL)
+    game = game_named(name)
+    content = drawn_picture(game)
+    if content is None:
+        content = services_of(request).replay_cache.get(sample(game), ReplayTask.THUMBNAIL)
     return Response(content, media_type="image/png", headers={"Cache-Control": _IMMUTABLE})
 
 

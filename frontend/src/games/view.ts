@@ -8,6 +8,8 @@ import type { Cell, ItemPath } from "@/lib/game/items";
 export interface GameWords {
   /** How games end, by the names of the ends, within a sentence: "the time was over". */
   ends: () => Readonly<Record<string, string>>;
+  /** When games end before their time, by the names of the rules: "when a life is lost". */
+  rules: () => Readonly<Record<string, string>>;
   /** "3 bricks broken". */
   taken: (count: number) => string;
   /** "Bricks broken". */

@@ -6,7 +6,7 @@ import type { TaughtGame } from "@/api/types";
 import { viewOf } from "./views";
 import type { GameWords } from "./view";
 
-type Named = Pick<TaughtGame, "name" | "items" | "ends" | "max_steps">;
+type Named = Pick<TaughtGame, "name" | "items" | "ends" | "end_rules">;
 
 /** Returns the words for a game. */
 export function wordsOf(game: Named): GameWords {
@@ -19,13 +19,23 @@ const commonEnds = (): Readonly<Record<string, string>> => ({
   over: t`the game was over`,
 });
 
-function plainWords({ items, ends }: Named): GameWords {
+/** The same of the rules by which games end. */
+const commonRules = (): Readonly<Record<string, string>> => ({
+  life: t`when a life is lost`,
+  over: t`when the game is over`,
+});
+
+function plainWords({ items, ends, end_rules: rules }: Named): GameWords {
   const singular = items?.singular ?? "";
   const several = items?.plural ?? "";
   return {
     ends: () => ({
       ...Object.fromEntries(ends.map(({ name, sentence }) => [name, sentence])),
       ...commonEnds(),
+    }),
+    rules: () => ({
+      ...Object.fromEntries(rules.map(({ name, title }) => [name, title])),
+      ...commonRules(),
     }),
     taken: (count) => plural(count, { one: `# ${singular}`, other: `# ${several}` }),
     takenTitle: () => capitalised(several),

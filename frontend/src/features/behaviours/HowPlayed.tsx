@@ -3,6 +3,7 @@ import { Trans } from "@lingui/react/macro";
 
 import type { TaughtGame } from "@/api/types";
 import { Field } from "@/components/controls/Field";
+import { wordsOf } from "@/games/words";
 
 import styles from "./BehaviourDialog.module.css";
 import { type BehaviourDraft, ownSeconds } from "./draft";
@@ -30,74 +31,70 @@ export function HowPlayed({ game, value, error, onChange }: HowPlayedProps) {
       <summary>
         <Trans>How it is played</Trans>
       </summary>
-      <p className={styles.note}>
-        <Trans>This stays as it is once a game was recorded.</Trans>
-      </p>
-      <Field
-        label={t`Longest game, in seconds`}
-        hint={t`${ownSeconds(game)} unless you type another number.`}
-        error={error}
-      >
-        {(control) => (
-          <input
-            {...control}
-            inputMode="decimal"
-            autoComplete="off"
-            value={value.seconds}
-            placeholder={ownSeconds(game)}
-            onChange={(event) => onChange({ seconds: event.currentTarget.value })}
-          />
+      <div className={styles.settings}>
+        <p className={styles.note}>
+          <Trans>This stays as it is once a game was recorded.</Trans>
+        </p>
+        <Field
+          label={t`Longest game, in seconds`}
+          hint={t`${ownSeconds(game)} unless you type another number.`}
+          error={error}
+        >
+          {(control) => (
+            <input
+              {...control}
+              inputMode="decimal"
+              autoComplete="off"
+              value={value.seconds}
+              placeholder={ownSeconds(game)}
+              onChange={(event) => onChange({ seconds: event.currentTarget.value })}
+            />
+          )}
+        </Field>
+        {game.end_rules.length > 1 && (
+          <Field label={t`It also ends`}>
+            {(control) => (
+              <select
+                {...control}
+                value={value.endRule ?? game.end_rules[0]?.name}
+                onChange={(event) => {
+                  const rule = event.currentTarget.value;
+                  onChange({ endRule: rule === game.end_rules[0]?.name ? null : rule });
+                }}
+              >
+                {game.end_rules.map(({ name, title }) => (
+                  <option key={name} value={name}>
+                    {wordsOf(game).rules()[name] ?? title}
+                  </option>
+                ))}
+              </select>
+            )}
+          </Field>
         )}
-      </Field>
-      {game.end_rules.length > 1 && (
-        <Field label={t`It also ends`}>
-          {(control) => (
-            <select
-              {...control}
-              value={value.endRule ?? game.end_rules[0]?.name}
-              onChange={(event) => {
-                const rule = event.currentTarget.value;
-                onChange({ endRule: rule === game.end_rules[0]?.name ? null : rule });
-              }}
-            >
-              {game.end_rules.map(({ name, title }) => (
-                <option key={name} value={name}>
-                  {ruleNames()[name] ?? title}
-                </option>
-              ))}
-            </select>
-          )}
-        </Field>
-      )}
-      {options.map(([name, values]) => (
-        <Field key={name} label={optionNames()[name] ?? name}>
-          {(control) => (
-            <select
-              {...control}
-              value={value.options[name] ?? values[0]}
-              onChange={(event) => {
-                const chosen = Number(event.currentTarget.value);
-                const { [name]: _, ...others } = value.options;
-                onChange({
-                  options: chosen === values[0] ? others : { ...others, [name]: chosen },
-                });
-              }}
-            >
-              {values.map((one) => (
-                <option key={one} value={one}>
-                  {one === values[0] ? t`${one}, as usual` : one}
-                </option>
-              ))}
-            </select>
-          )}
-        </Field>
-      ))}
+        {options.map(([name, values]) => (
+          <Field key={name} label={optionNames()[name] ?? name}>
+            {(control) => (
+              <select
+                {...control}
+                value={value.options[name] ?? values[0]}
+                onChange={(event) => {
+                  const chosen = Number(event.currentTarget.value);
+                  const { [name]: _, ...others } = value.options;
+                  onChange({
+                    options: chosen === values[0] ? others : { ...others, [name]: chosen },
+                  });
+                }}
+              >
+                {values.map((one) => (
+                  <option key={one} value={one}>
+                    {one === values[0] ? t`${one}, as usual` : one}
+                  </option>
+                ))}
+              </select>
+            )}
+          </Field>
+        ))}
+      </div>
     </details>
   );
 }
-
-/** End rules that many games have, which the page can say in its language. */
-const ruleNames = (): Readonly<Record<string, string>> => ({
-  life: t`when a life is lost`,
-  over: t`when the game is over`,
-});

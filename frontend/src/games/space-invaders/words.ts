@@ -9,6 +9,10 @@ export const words: GameWords = {
     landed: t`the aliens landed`,
     cleared: t`all aliens gone`,
   }),
+  rules: () => ({
+    hit: t`when the cannon is hit`,
+    life_counter: t`when the count of lives drops`,
+  }),
   taken: (count) => plural(count, { one: "# alien hit", other: "# aliens hit" }),
   takenTitle: () => t`Aliens hit`,
   noneTaken: () => t`No alien was hit.`,

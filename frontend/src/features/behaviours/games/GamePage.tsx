@@ -15,7 +15,6 @@ import { useOnlyPlays } from "@/components/people/use-only-plays";
 import { EMPTY_DRAFT } from "@/features/behaviours/draft";
 import { NewBehaviourDialog } from "@/features/behaviours/NewBehaviourDialog";
 import { buttonName } from "@/games/actions";
-import { listed } from "@/lib/format";
 
 import styles from "./GamesPage.module.css";
 
@@ -97,7 +96,7 @@ function AllGames() {
 
 /** How the game is played, and what it lacks and why. */
 function Facts({ game }: { game: TaughtGame }) {
-  const buttons = listed(game.buttons.map(buttonName));
+  const buttons = game.buttons.map(buttonName).join(", ");
   return (
     <div className={styles.facts}>
       <p>

@@ -8,6 +8,7 @@ import type { GameState } from "@/features/play/stream/game-state";
 
 import { keyName } from "@/features/play/input/keys";
 import { useGame } from "@/games/game";
+import { wordsOf } from "@/games/words";
 import { seconds } from "@/lib/format";
 
 import { Overlay } from "./Overlay";
@@ -27,6 +28,8 @@ interface StageOverlayProps {
 /** The overlay on the screen while the game is not being played; for the end see EndCard. */
 export function StageOverlay(props: StageOverlayProps) {
   const game = useGame();
+  const [rule] = game.end_rules;
+  const ending = rule && (wordsOf(game).rules()[rule.name] ?? rule.title);
   const { state, target, starting, error, onStart, onResume, onStep, onTakeBack } = props;
   if (!state || state.phase === "gone") {
     const gone = state?.phase === "gone";
@@ -38,6 +41,11 @@ export function StageOverlay(props: StageOverlayProps) {
             ? t`This game is over`
             : t`${game.title}: up to ${seconds((game.max_steps * game.frames_per_step) / game.frame_rate_hz, 0)}`}
         </span>
+        {!gone && ending !== undefined && (
+          <p>
+            <Trans>It ends before {ending}.</Trans>
+          </p>
+        )}
         <p>
           {error ??
             (gone

@@ -5,7 +5,6 @@ import { memo, useSyncExternalStore } from "react";
 import { Legend } from "@/components/recording/Legend";
 import { buttonName, describeAction, lanesOf } from "@/games/actions";
 import { useGame } from "@/games/game";
-import { listed } from "@/lib/format";
 import type { Playback } from "@/lib/game/playback";
 
 import styles from "./ActionLanes.module.css";
@@ -24,7 +23,7 @@ export function ActionLanes({
   const game = useGame();
   const { frame } = useSyncExternalStore(playback.subscribe, playback.snapshot);
   const last = Math.max(actions.length, 1);
-  const names = listed(game.buttons.map(buttonName));
+  const names = game.buttons.map(buttonName).join(", ");
   const height = game.buttons.length * (LANE_HEIGHT + LANE_GAP);
   return (
     <div className={styles.actions}>

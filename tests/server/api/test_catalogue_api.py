@@ -1,0 +1,51 @@
+"""The games that can be taught, in the API."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import replace
+
+import pytest
+from PIL import Image
+from starlette.testclient import TestClient
+
+from tril.games import game_named, game_titles
+from tril.play.pictures import drawn_picture
+from tril.sample import sample
+
+
+def test_all_games_are_there_in_order_of_their_titles_while_nobody_has_played(
+    client: TestClient,
+) -> None:
+    games = client.get("/api/catalogue").json()
+    assert {one["name"]: one["title"] for one in games} == game_titles()
+    titles = [one["title"].casefold() for one in games]
+    assert titles == sorted(titles)
+    assert {one["name"] for one in games if one["n_behaviours"]} == {"space_invaders"}
+    assert all(one["last_played_at"] is None for one in games)
+
+
+def test_a_game_says_all_that_its_page_needs(client: TestClient) -> None:
+    pong = client.get("/api/catalogue/games/pong").json()
+    assert pong["buttons"] == ["left", "right", "fire"]
+    assert len(pong["held"]) == len(pong["actions"])
+    assert set(pong["default_keys"].values()) == set(pong["buttons"])
+    assert pong["pixel_aspect"] == pytest.approx(12 / 7)
+    assert pong["items"] is None
+    assert pong["has_player"] is False
+    assert client.get("/api/catalogue/games/chess").status_code == 404
+
+
+@pytest.mark.parametrize("name", ["pong", "space_invaders"])
+def test_a_picture_is_of_the_games_screen(client: TestClient, name: str) -> None:
+    answer = client.get(f"/api/catalogue/pictures/{name}")
+    screen = game_named(name).screen
+    assert Image.open(io.BytesIO(answer.content)).size == (screen.width, screen.height)
+    assert "immutable" in answer.headers["cache-control"]
+
+
+def test_a_game_of_another_version_has_no_drawn_picture() -> None:
+    game = game_named("pong")
+    assert drawn_picture(game) is not None
+    assert drawn_picture(replace(game, version="another")) is None
+    assert sample(game) == sample(game)

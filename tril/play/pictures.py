@@ -1,0 +1,31 @@
+"""Pictures of games that were drawn beforehand: a page of a hundred games shows them at once.
+
+``python -m server.draw_pictures`` draws them anew. A game that is missing, or has another version,
+is played for its picture when it is asked for.
+"""
+
+from __future__ import annotations
+
+import zipfile
+from functools import cache
+from pathlib import Path
+
+from tril.games.base import Game
+
+PICTURES = Path(__file__).with_name("pictures.zip")
+
+
+def picture_name(game: Game) -> str:
+    """Return the name of a game's picture among them."""
+    return f"{game.name}-{game.version}.png"
+
+
+def drawn_picture(game: Game) -> bytes | None:
+    """Return a PNG of a game, some seconds after its start; None if none was drawn."""
+    return _pictures().get(picture_name(game))
+
+
+@cache
+def _pictures() -> dict[str, bytes]:
+    with zipfile.ZipFile(PICTURES) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
