@@ -11,6 +11,7 @@ const COMPLETE = {
     "src/features/people",
     "src/features/play",
     "src/features/ranking",
+    "src/games",
     "src/lib",
   ],
 };
