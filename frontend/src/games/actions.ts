@@ -16,7 +16,7 @@ const buttonNames = (): Readonly<Record<string, string>> => ({
 
 /** Names a button, within a sentence. */
 export function buttonName(button: string): string {
-  return (Object.hasOwn(buttonNames(), button) && buttonNames()[button]) || button;
+  return Object.hasOwn(buttonNames(), button) ? (buttonNames()[button] ?? button) : button;
 }
 
 /** Names an action by its number: the buttons held for it. */

@@ -128,6 +128,6 @@ function useFollowed(
       clearTimeout(timer);
       setFollowed(NOTHING);
     };
-  }, [follows, runId, recordingId, network, playback, queries]);
+  }, [follows, runId, recordingId, network, playback, queries, game]);
   return followed;
 }

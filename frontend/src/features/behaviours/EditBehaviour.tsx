@@ -115,8 +115,9 @@ function EditDialog({ behaviour, onClose, onCopy }: EditDialogProps) {
 }
 
 /** What changes of a behaviour, which stays one of its game. */
-function withoutGame({ game: _, ...change }: BehaviourNew): BehaviourUpdate {
-  return change;
+function withoutGame(change: BehaviourNew): BehaviourUpdate {
+  const { name, description, target = null, ordered, settings } = change;
+  return { name, description, target, ordered, settings };
 }
 
 /** Deletes a behaviour; its toast restores it. */

@@ -79,7 +79,9 @@ export function HowPlayed({ game, value, error, onChange }: HowPlayedProps) {
                 value={value.options[name] ?? values[0]}
                 onChange={(event) => {
                   const chosen = Number(event.currentTarget.value);
-                  const { [name]: _, ...others } = value.options;
+                  const others = Object.fromEntries(
+                    Object.entries(value.options).filter(([other]) => other !== name),
+                  );
                   onChange({
                     options: chosen === values[0] ? others : { ...others, [name]: chosen },
                   });

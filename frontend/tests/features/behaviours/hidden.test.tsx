@@ -99,10 +99,11 @@ describe("what learning sees", () => {
     });
   });
 
-  it("is drawn by a pointer on the picture", async () => {
+  it("is drawn by a pointer on the picture", () => {
     open();
     const picture = screen.getByRole("img", { name: /some seconds after its start/ });
-    const stage = picture.parentElement as HTMLElement;
+    const stage = picture.parentElement;
+    if (!stage) throw new Error("The picture stands alone.");
     stage.setPointerCapture = vi.fn();
     vi.spyOn(stage, "getBoundingClientRect").mockReturnValue(new DOMRect(0, 0, 320, 420));
     fireEvent.pointerDown(stage, { button: 0, clientX: 20, clientY: 100, pointerId: 1 });

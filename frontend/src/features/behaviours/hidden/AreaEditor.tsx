@@ -83,7 +83,6 @@ export function AreaEditor({ areas, readOnly, onChange }: AreaEditorProps) {
 
   return (
     // Drawing has buttons and fields beside it.
-    // eslint-disable-next-line jsx-a11y/no-static-element-interactions
     <div
       ref={stage}
       className={styles.stage}
