@@ -131,14 +131,14 @@ describe("the page of a game", () => {
   it("says what a game lacks, and why", async () => {
     open(CART_POLE, []);
     expect(await screen.findByText("Nothing has been taught in it yet.")).toBeVisible();
-    expect(screen.getByText(/Its buttons: push left and push right. 50 frames/)).toBeVisible();
+    expect(screen.getByText(/Its buttons: push left, push right. 50 frames/)).toBeVisible();
     for (const lack of [/stands still until/, /no targets/, /no examples/, /rewound/, /no memory/])
       expect(screen.getByText(lack)).toBeVisible();
   });
 
   it("says nothing of the kind of a game that lacks nothing", async () => {
     open(SPACE_INVADERS);
-    expect(await screen.findByText(/Its buttons: left and right and fire/)).toBeVisible();
+    expect(await screen.findByText(/Its buttons: left, right, fire/)).toBeVisible();
     expect(screen.queryByText(/no examples|rewound|no memory|no targets/)).toBeNull();
   });
 

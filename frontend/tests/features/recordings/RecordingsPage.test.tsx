@@ -144,7 +144,7 @@ describe("the library", () => {
     const marked = () => asked.filter(({ method }) => method === "PATCH");
     await userEvent.click(star);
     expect(screen.getByRole("dialog")).toHaveTextContent(
-      "it missed 1 target, it hit 2 strays, it ended with the cannon hit.",
+      "it missed 1 target, it hit 2 strays, it was lost: hit by a bomb.",
     );
     await userEvent.click(screen.getByRole("button", { name: "Don’t mark" }));
     expect(marked()).toEqual([]);
