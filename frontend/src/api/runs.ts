@@ -7,10 +7,14 @@ function at(runId: string) {
   return { params: { path: { run_id: runId } } };
 }
 
-export const recipesQuery = queryOptions({
-  queryKey: ["recipes"],
-  queryFn: ({ signal }) => unwrap(api.GET("/api/recipes", { signal })),
-});
+/** The recipes that a game can be trained with, the proposed one first. */
+export function recipesQuery(game: string) {
+  return queryOptions({
+    queryKey: ["recipes", game],
+    queryFn: ({ signal }) =>
+      unwrap(api.GET("/api/recipes", { params: { query: { game } }, signal })),
+  });
+}
 
 /** The runs of a behaviour, or of all; newest first. */
 export function runsQuery(behaviourId?: number) {
