@@ -109,7 +109,7 @@ describe("taking a run away", () => {
 
   it("is not offered before the run is done", async () => {
     open(run());
-    await screen.findByRole("figure", { name: "Aliens hit per game" });
+    await screen.findByRole("figure", { name: "Targets hit per game" });
     expect(screen.queryByRole("region", { name: "Take it away" })).toBeNull();
   });
 });
@@ -123,7 +123,7 @@ describe("a run that goes", () => {
       .getAllByRole("progressbar")
       .map((bar) => bar.getAttribute("aria-valuenow"));
     expect(stages).toEqual(["100", "100", "100", "100", "50", "0", "0"]);
-    expect(await screen.findByRole("figure", { name: "Aliens hit per game" })).toBeVisible();
+    expect(await screen.findByRole("figure", { name: "Targets hit per game" })).toBeVisible();
   });
 
   it("shows no time left while it is being cancelled", () => {

@@ -36,9 +36,9 @@ describe("training", () => {
 
   it("says that fast knows aliens alone where a behaviour may be about something else", async () => {
     open({ ...RANKED, target: null });
-    expect(await screen.findByText(/considers only which aliens are hit/)).toBeVisible();
+    expect(await screen.findByText(/considers only what is hit/)).toBeVisible();
     await userEvent.click(screen.getByRole("radio", { name: /paper/ }));
-    expect(screen.queryByText(/considers only which aliens are hit/)).toBeNull();
+    expect(screen.queryByText(/considers only what is hit/)).toBeNull();
   });
 
   it("keeps what was entered when the page is left, and warns of an order that is not saved", async () => {

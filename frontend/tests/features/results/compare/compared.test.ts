@@ -123,8 +123,8 @@ describe("the curves of a comparison", () => {
       [
         "imitator",
         [
-          ["Aliens hit per game: targets", ["a", "b", "c"]],
-          ["Aliens hit per game: strays", ["a", "c"]],
+          ["Targets hit per game: targets", ["a", "b", "c"]],
+          ["Targets hit per game: strays", ["a", "c"]],
         ],
       ],
     ]);
