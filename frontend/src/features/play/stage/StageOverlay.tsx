@@ -43,7 +43,7 @@ export function StageOverlay(props: StageOverlayProps) {
         </span>
         {!gone && ending !== undefined && (
           <p>
-            <Trans>It ends before {ending}.</Trans>
+            <Trans>It ends earlier {ending}.</Trans>
           </p>
         )}
         <p>
