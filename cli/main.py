@@ -9,19 +9,74 @@ import sys
 import typer
 from typer import rich_utils
 
-from cli.commands import behaviours, games, people, recordings, runs, services
-from cli.commands.backup import backup
-from cli.commands.demo import demo
-from cli.commands.evaluate import evaluate
-from cli.commands.reproduce import reproduce
-from cli.commands.up import up
-from cli.output import PlainConsole
+from cli.lazy import lazy_group
+from cli.terminal import PlainConsole
 from tril.files.private import UMASK
 
 # Typer's errors quote arguments, such as the names of files.
 setattr(rich_utils, "Console", PlainConsole)  # noqa: B010
 
+COMMANDS = {
+    "up": (
+        "cli.commands.up:up",
+        "Start server, worker and inference; print the address; Ctrl-C stops everything.",
+    ),
+    "demo": (
+        "cli.commands.demo:demo",
+        "Make scripted demonstrations, rank them, train, evaluate, and write summary and pictures.",
+    ),
+    "train": (
+        "cli.commands.runs:train",
+        "Train an imitator and a clone on a behaviour's ranking.",
+    ),
+    "evaluate": (
+        "cli.commands.evaluate:evaluate",
+        "Play one game from each evaluation start with a trained policy; store nothing.",
+    ),
+    "reproduce": (
+        "cli.commands.reproduce:reproduce",
+        "Train what the ledger lacks, for each behaviour and training seed, and write the results.",
+    ),
+    "serve": (
+        "cli.commands.services:serve",
+        "Run only the web server (``tril up`` runs everything).",
+    ),
+    "worker": (
+        "cli.commands.services:worker",
+        "Run a training worker. Several may run at the same time, on any number of machines.",
+    ),
+    "inference": (
+        "cli.commands.services:inference",
+        "Run the inference process, which evaluates trained networks for the server.",
+    ),
+    "backup": (
+        "cli.commands.backup:backup",
+        "Back up databases and runs to a folder, also while Tril runs, and verify the copy.",
+    ),
+    "migrate": ("cli.commands.services:migrate", "Migrate the databases to this version."),
+    "health": (
+        "cli.commands.services:health",
+        "Check a process of this data folder; exit with status 0 if it is healthy, else 1.",
+    ),
+    "status": (
+        "cli.commands.services:status",
+        "List the processes of Tril on all machines, with what workers learn on and are at.",
+    ),
+    "address": (
+        "cli.commands.services:address",
+        "Print the page's address with its key, e.g. for a server in a container.",
+    ),
+    "audit": ("cli.commands.people:audit", "Print who did what, the newest first."),
+    "behaviours": ("cli.commands.behaviours:app", "The behaviours to teach."),
+    "games": ("cli.commands.games:app", "The games that can be taught."),
+    "recordings": ("cli.commands.recordings:app", "The library of recordings."),
+    "runs": ("cli.commands.runs:app", "Training runs."),
+    "people": ("cli.commands.people:app", "Say who gets in."),
+}
+"""Where each command is, and the first line of its help."""
+
 app = typer.Typer(
+    cls=lazy_group(COMMANDS),
     name="tril",
     help="Teach a game agent by playing and ranking, without writing a reward function.",
     no_args_is_help=True,
@@ -33,28 +88,6 @@ app = typer.Typer(
 def keep_private() -> None:
     """Teach a game agent by playing and ranking, without writing a reward function."""
     os.umask(UMASK)
-
-
-app.command()(up)
-app.command()(demo)
-app.command()(runs.train)
-app.command()(evaluate)
-app.command()(reproduce)
-app.command()(services.serve)
-app.command()(services.worker)
-app.command()(services.inference)
-app.command()(backup)
-app.command()(services.migrate)
-app.command()(services.health)
-app.command()(services.status)
-app.command()(services.address)
-app.command()(people.audit)
-
-app.add_typer(behaviours.app, name="behaviours")
-app.add_typer(games.app, name="games")
-app.add_typer(recordings.app, name="recordings")
-app.add_typer(runs.app, name="runs")
-app.add_typer(people.app, name="people")
 
 
 def main() -> None:

@@ -5,43 +5,20 @@ from __future__ import annotations
 import errno
 import json
 import sqlite3
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from pydantic import ValidationError
-from rich.console import Console, ConsoleOptions, RenderableType
-from rich.segment import Segment
 from rich.text import Text
 from sqlalchemy.exc import DatabaseError
 
+from cli.terminal import console as console
+from cli.terminal import errors as errors
 from tril.errors import Invalid, TrilError
 from tril.settings import Settings
-from tril.text import printable
-
-
-class PlainConsole(Console):
-    """A console on which no text acts: control sequences in what anybody wrote are escaped.
-
-    What is printed, in whatever form, becomes segments; those of the console itself, such as the
-    movements of a progress bar, are marked as such.
-    """
-
-    def render(
-        self, renderable: RenderableType, options: ConsoleOptions | None = None
-    ) -> Iterable[Segment]:
-        """Return a renderable as segments of text that is safe to print."""
-        for segment in super().render(renderable, options):
-            if segment.control:
-                yield segment
-            else:
-                yield Segment(printable(segment.text, keep="\n\t"), segment.style)
-
-
-console = PlainConsole(highlight=False, soft_wrap=True, markup=False, emoji=False)
-errors = PlainConsole(stderr=True, highlight=False, soft_wrap=True, markup=False, emoji=False)
 
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 

@@ -1,0 +1,62 @@
+"""Commands that are imported when they are called: most calls need one of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from importlib import import_module
+from typing import Any
+
+import typer
+from typer.core import TyperCommand, TyperGroup
+from typer.main import get_command, get_group
+
+
+class LazyCommand(TyperCommand):
+    """A command, or a group of commands, known by its name and its help until it is called."""
+
+    def __init__(self, name: str, reference: str, summary: str) -> None:
+        """Keep where it is.
+
+        Args:
+            name: Its name.
+            reference: Module and attribute, e.g. "cli.commands.up:up": a function or a Typer.
+            summary: First line of its help.
+        """
+        super().__init__(name=name, help=summary, callback=None, params=[])
+        self._reference = reference
+
+    @cached_property
+    def command(self) -> Any:
+        """The command itself."""
+        module, _, attribute = self._reference.partition(":")
+        found = getattr(import_module(module), attribute)
+        if isinstance(found, typer.Typer):
+            group = get_group(found)
+            group.name = self.name
+            return group
+        alone = typer.Typer(add_completion=False, pretty_exceptions_show_locals=False)
+        alone.command(self.name)(found)
+        return get_command(alone)
+
+    def make_context(self, *args: Any, **kwargs: Any) -> Any:
+        """Parse the arguments as the command itself does, which the context then runs."""
+        return self.command.make_context(*args, **kwargs)
+
+
+def lazy_group(commands: Mapping[str, tuple[str, str]]) -> type[TyperGroup]:
+    """Return a class of groups with these commands.
+
+    Args:
+        commands: Reference and summary of each, by name, in the order of the help.
+    """
+    known = {name: LazyCommand(name, *rest) for name, rest in commands.items()}
+
+    class LazyGroup(TyperGroup):
+        def list_commands(self, ctx: Any) -> list[str]:
+            return list(known)
+
+        def get_command(self, ctx: Any, cmd_name: str) -> Any:
+            return known.get(cmd_name)
+
+    return LazyGroup
