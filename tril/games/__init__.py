@@ -18,7 +18,10 @@ from tril.games.behaviours import Behaviour
 DEFAULT_GAME = "space_invaders"
 GROUP = "tril.games"
 
-_GAMES: Mapping[str, str] = {DEFAULT_GAME: "tril.games.space_invaders:SPACE_INVADERS"}
+_GAMES: Mapping[str, str] = {
+    DEFAULT_GAME: "tril.games.space_invaders:SPACE_INVADERS",
+    "breakout": "tril.games.breakout:BREAKOUT",
+}
 """Games with a module of their own, imported when they are asked for."""
 
 _FAMILIES: Sequence[str] = (
