@@ -82,12 +82,14 @@ def pytest_xdist_auto_num_workers() -> int:
 
 @pytest.fixture
 def data_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Return an empty data folder that TRIL_DATA names, with every other setting at its default."""
+    """Return an empty data folder that TRIL_DATA names; other settings are at their defaults."""
     folder = tmp_path / "data"
     folder.mkdir(mode=0o700)
     for name in [name for name in os.environ if name.upper().startswith("TRIL_")]:
         monkeypatch.delenv(name)
     monkeypatch.setenv("TRIL_DATA", str(folder))
+    # The tests beside a worker leave nothing to one that is nice.
+    monkeypatch.setenv("TRIL_LEARNING_NICENESS", "0")
     if on_postgresql():
         monkeypatch.setenv("TRIL_DATABASE_URL", settings_on(folder).database_url)
     return folder

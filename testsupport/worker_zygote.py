@@ -129,7 +129,10 @@ def _serve() -> None:
         for descriptor, place in ((null, 0), (log, 1), (log, 2)):
             os.dup2(descriptor, place)
         try:
-            settings = settings_on(Path(order["data"]), learning_threads=1, **order["settings"])
+            # The tests beside a worker leave nothing to one that is nice.
+            settings = settings_on(
+                Path(order["data"]), learning_threads=1, learning_niceness=0, **order["settings"]
+            )
             run_worker(settings, order["lost_after_s"])
         finally:
             sys.stdout.flush()

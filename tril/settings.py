@@ -64,6 +64,7 @@ class Settings(BaseSettings):
         inference_key: Key that the inference process and the servers prove to each other there.
         inference_key_file: File that has this key.
         learning_threads: Threads for training; 0 means all cores.
+        learning_niceness: Niceness of workers, from 0 to 19, which leaves the cores to games first.
         learning_precision: Number format of policy training: "float32", "bfloat16", or "auto" for
             bfloat16 where the device supports its multiplication.
         learning_device: Device for training: "cpu", "cuda", or "auto" for a GPU if there is one.
@@ -98,6 +99,7 @@ class Settings(BaseSettings):
     inference_key: SecretStr = SecretStr("")
     inference_key_file: Path | None = None
     learning_threads: int = Field(default=0, ge=0)
+    learning_niceness: int = Field(default=19, ge=0, le=19)
     learning_precision: Literal["auto", "float32", "bfloat16"] = "auto"
     learning_device: Literal["auto", "cpu", "cuda"] = "auto"
 

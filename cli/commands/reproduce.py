@@ -174,9 +174,10 @@ def _extrapolate(recipe: Recipe, training_seeds: Sequence[int], output: Path) ->
     from trainer.reporting.ledger import Ledger
     from trainer.reporting.skilled_games import QUANTITIES, Experiment
     from trainer.runtime.priority import lower_priority
+    from tril.settings import Settings
 
     experiments = [Experiment.of(q, recipe, seed) for seed in training_seeds for q in QUANTITIES]
-    lower_priority()
+    lower_priority(Settings().learning_niceness)
     for one in Ledger(output).missing(experiments):
         label = f"Ranked by {one.quantity}, training seed {one.training_seed}"
         with progress_bar(label) as progress:

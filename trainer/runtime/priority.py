@@ -8,7 +8,6 @@ from pathlib import Path
 
 from tril.cores import core_count
 
-NICENESS = 19
 AUTOGROUP = Path("/proc/self/autogroup")
 
 
@@ -17,13 +16,16 @@ def learning_threads(requested: int) -> int:
     return requested or core_count()
 
 
-def lower_priority() -> None:
+def lower_priority(niceness: int) -> None:
     """Lower the priority of this process and what it starts.
 
     Linux may share the cores out between sessions first and compare priorities only within a
     session (autogroups, sched(7)). A session that this process leads is lowered too.
+
+    Args:
+        niceness: From 0, as it is, to 19, when nothing else wants the cores.
     """
-    os.nice(max(0, NICENESS - os.nice(0)))
+    os.nice(max(0, niceness - os.nice(0)))
     if hasattr(os, "getsid") and os.getsid(0) == os.getpid():
         with suppress(OSError):
-            AUTOGROUP.write_text(str(NICENESS), encoding="utf-8")
+            AUTOGROUP.write_text(str(niceness), encoding="utf-8")

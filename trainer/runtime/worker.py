@@ -71,7 +71,7 @@ def run_worker(
         Unavailable: The databases are not of this version.
     """
     set_up_logging()
-    lower_priority()
+    lower_priority(settings.learning_niceness)
     stopping = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stopping.set())

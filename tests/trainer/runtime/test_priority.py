@@ -9,6 +9,8 @@ import pytest
 
 from trainer.runtime import priority
 
+NICENESS = 19
+
 
 @pytest.fixture
 def niceness(monkeypatch: pytest.MonkeyPatch) -> list[int]:
@@ -31,10 +33,10 @@ def test_the_process_and_a_session_of_its_own_are_lowered(
     group.write_text("0")
     monkeypatch.setattr(priority, "AUTOGROUP", group)
     monkeypatch.setattr(os, "getsid", lambda _: os.getpid() if leads else 1)
-    priority.lower_priority()
-    priority.lower_priority()
-    assert niceness == [priority.NICENESS]
-    assert group.read_text() == (str(priority.NICENESS) if leads else "0")
+    priority.lower_priority(NICENESS)
+    priority.lower_priority(NICENESS)
+    assert niceness == [NICENESS]
+    assert group.read_text() == (str(NICENESS) if leads else "0")
 
 
 def test_a_kernel_that_does_not_group_sessions_is_no_problem(
@@ -42,5 +44,5 @@ def test_a_kernel_that_does_not_group_sessions_is_no_problem(
 ) -> None:
     monkeypatch.setattr(priority, "AUTOGROUP", tmp_path)  # a folder: it can't be written
     monkeypatch.setattr(os, "getsid", lambda _: os.getpid())
-    priority.lower_priority()
-    assert niceness == [priority.NICENESS]
+    priority.lower_priority(NICENESS)
+    assert niceness == [NICENESS]
