@@ -115,14 +115,11 @@ def test_every_setting_reaches_every_service(
 
 
 def test_every_command_of_the_containers_exists(dockerfile: list[str]) -> None:
-    from typer.main import get_command
+    from cli.main import COMMANDS
 
-    from cli.main import app
-
-    known = set(getattr(get_command(app), "commands", {}))
     compose_text = (ROOT / "docker-compose.yml").read_text()
     commands = [line for line in dockerfile if line.startswith("CMD ")] + [compose_text]
     named = set(re.findall(r'"tril", "([a-z]+)"|\btril ([a-z]+)', "\n".join(commands)))
     used = {first or second for first, second in named}
     assert used == {"serve", "worker", "inference", "migrate", "health", "address"}
-    assert used - known == set()
+    assert used <= COMMANDS.keys()

@@ -154,6 +154,7 @@ def test_the_example_of_settings_names_every_setting_with_its_default(
     shown = dict(re.findall(r"^# TRIL_([A-Z_]+)=(.*)$", text, re.MULTILINE))
     assert {name.lower() for name in shown} == set(Settings.model_fields)
     monkeypatch.delenv("TRIL_DATA")
+    monkeypatch.delenv("TRIL_LEARNING_NICENESS")
     monkeypatch.delenv("TRIL_DATABASE_URL", raising=False)
     monkeypatch.chdir(data_folder)
     defaults = Settings().model_dump()

@@ -169,7 +169,7 @@ def test_a_policy_goes_from_plain_weights_to_stable_baselines3_and_back(tmp_path
                 "version": "1",
                 "config": '{"channels": [16, 32, 32], "features": 256}',
             },
-            {"more": torch.zeros(1)},
+            {"action_net.weight": torch.zeros(6, 256), "more": torch.zeros(1)},
             "unknown weights: more",
         ),
     ],

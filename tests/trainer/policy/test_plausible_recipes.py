@@ -18,6 +18,7 @@ from trainer.policy.ppo import ImitationPPO, TrainingGenerators
 from trainer.policy.reward_shaping import RewardShaping
 from trainer.policy.vec_env import TrilVecEnv
 from tril.errors import Invalid
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.play.vector.vector_game import VectorGame
 from tril.recipes import PAPER, Recipe, with_values
 
@@ -26,7 +27,7 @@ SCREENS = observations(64, seed=8)
 
 def untrained(recipe: Recipe, steps: int) -> ImitationPPO:
     """Return a PPO of games that are not played."""
-    games = cast("VectorGame", SimpleNamespace(n_games=recipe.policy.n_envs))
+    games = cast("VectorGame", SimpleNamespace(game=SPACE_INVADERS, n_games=recipe.policy.n_envs))
     env = TrilVecEnv(games, RewardShaping.of(random_model(), recipe.policy))
     generators = TrainingGenerators.from_seed(3)
     ppo = ImitationPPO(env, recipe.policy, steps, generators, lambda: None, lambda _: None)
