@@ -24,12 +24,15 @@ from tril.recipes import RewardRecipe
 from tril.recording import LEVEL_STEPS
 
 CONFIDENT_TAU = 0.75
-"""Rankings of columns with three swapped neighbours reach 0.81 to 0.91 (decision 47)."""
+"""Rankings of columns with three swapped neighbours reach 0.81 to 0.91.
+
+See docs/decisions/08-ranking-check.md.
+"""
 CONFIDENT_ACCURACY = 0.9
 """Held-out accuracy from which on, with CONFIDENT_TAU, nothing needs to be said."""
 PASSING_TAU = 0.5
 PASSING_ACCURACY = 0.6
-"""Of 200 rankings in a random order 17 pass (decision 47)."""
+"""Of 200 rankings in a random order 17 pass (docs/decisions/08-ranking-check.md)."""
 N_FRAGMENT_PAIRS = 5_000
 SURE = 0.95
 """Accuracy of a model that knows the order of two tiers."""

@@ -150,7 +150,8 @@ def swept_to(aliens: Tensor) -> Tensor:
 def gaps_between(aliens: Tensor) -> Tensor:
     """Return where an alien is left and its right neighbour is not, float32 (N, 30), 0 to 0.5.
 
-    Networks were saved with these before sweeps (decision 38); the arguments are the same.
+    Networks were saved with these before sweeps; the arguments are the same. See
+    docs/decisions/07-order.md.
     """
     grid = aliens.reshape(-1, ROWS, COLUMNS)
     gaps: Tensor = 0.5 * grid[:, :, :-1] * (1.0 - grid[:, :, 1:])

@@ -60,8 +60,7 @@ class WatchSession:
     """Games that policies play side by side, at one clock.
 
     The action of a step is asked for when the observation of the step before is complete, and the
-    next frame waits for it; see docs/decisions/0018-watched-games-wait-for-their-policies.md. All
-    methods run in the event loop.
+    next frame waits for it; see docs/decisions/19-inference.md. All methods run in the event loop.
 
     Args:
         lanes: The games, all at the same frame.

@@ -11,7 +11,7 @@ import { continuing, withSearch } from "@/lib/runs";
 
 import styles from "./Hints.module.css";
 
-/** Ranked games, and games marked as perfect, that are usually enough: see decision 59. */
+/** Ranked and perfect games that are usually enough: docs/decisions/06-best-efforts.md. */
 const GOOD_NUMBER = 4;
 const GOOD_NUMBER_PERFECT = 3;
 
