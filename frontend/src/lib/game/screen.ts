@@ -85,7 +85,7 @@ const WIDEST = 7 / 6;
 
 /**
  * Returns the largest scale of whole numbers that fits and is close to the shape of the game's
- * pixels; a fraction where the screen is larger than the box.
+ * pixels; one to one where none is close, a fraction where the screen is larger than the box.
  *
  * @param width Available device pixels.
  * @param height Available device pixels.
@@ -101,7 +101,8 @@ export function screenScale(width: number, height: number, screen: ScreenShape):
     }
     if (best > 0) return { x: best, y };
   }
-  const y = Math.min(height / screen.height, width / (screen.width * aspect), 1);
+  if (mostX >= 1 && height >= screen.height) return { x: 1, y: 1 };
+  const y = Math.min(height / screen.height, width / (screen.width * aspect));
   return { x: y * aspect, y };
 }
 
