@@ -1,7 +1,7 @@
 import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
-import { useEffect, useId, useState } from "react";
+import { useEffect, useId, useRef, useState } from "react";
 
 import { framesQuery } from "@/api/recordings";
 import type { Recording, RewardState } from "@/api/types";
@@ -10,7 +10,7 @@ import { GameCanvas } from "@/components/game/GameCanvas";
 import { useGame } from "@/games/game";
 import { measured, ordinal } from "@/lib/format";
 import type { ScreenPainter } from "@/lib/game/screen";
-import { useScreenSize } from "@/lib/game/use-screen-size";
+import { useFittingScreenSize } from "@/lib/game/use-screen-size";
 import { recordingName } from "@/lib/recordings";
 import { useSettled } from "@/lib/use-settled";
 
@@ -76,10 +76,13 @@ function percentileName(percentile: number): string {
   return percentile === 100 ? t`maximum` : t`${ordinal(percentile)} percentile`;
 }
 
+const stillHeight = () => 210;
+
 /** The screen after a step of a recording. */
 function Still({ recording, step }: { recording: Recording; step: number }) {
   const game = useGame();
-  const size = useScreenSize(320, 210, game);
+  const box = useRef<HTMLDivElement>(null);
+  const size = useFittingScreenSize(box, stillHeight, game);
   const { data: frames } = useQuery(framesQuery(recording));
   const [painter, setPainter] = useState<ScreenPainter | null>(null);
   useEffect(() => {
@@ -88,10 +91,12 @@ function Still({ recording, step }: { recording: Recording; step: number }) {
     painter.draw(frames.show(Math.min(step * game.frames_per_step, frames.last)));
   }, [frames, painter, step, game]);
   return (
-    <GameCanvas
-      size={size}
-      label={t`Screen at step ${step} of ${recordingName(recording)}`}
-      onPainter={setPainter}
-    />
+    <div ref={box} className={styles.still}>
+      <GameCanvas
+        size={size}
+        label={t`Screen at step ${step} of ${recordingName(recording)}`}
+        onPainter={setPainter}
+      />
+    </div>
   );
 }
