@@ -24,7 +24,7 @@ def main() -> None:
             except Invalid as error:
                 sys.stderr.write(f"{name}: {error}\n")
                 continue
-            info = zipfile.ZipInfo(picture_name(game), _EPOCH)
+            info = zipfile.ZipInfo(picture_name(name), _EPOCH)
             archive.writestr(info, thumbnail_png(sample(game)))
 
 

@@ -92,10 +92,10 @@ def get_title(name: str) -> TaughtGame:
 )
 def get_title_picture(request: Request, name: str) -> Response:
     """Return a picture of a game, some seconds after its start."""
-    game = game_named(name)
-    content = drawn_picture(game)
+    content = drawn_picture(name)
     if content is None:
-        content = services_of(request).replay_cache.get(sample(game), ReplayTask.THUMBNAIL)
+        played = sample(game_named(name))
+        content = services_of(request).replay_cache.get(played, ReplayTask.THUMBNAIL)
     return Response(content, media_type="image/png", headers={"Cache-Control": _IMMUTABLE})
 
 

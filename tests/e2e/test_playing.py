@@ -135,7 +135,9 @@ def test_the_targets_are_outlined_where_they_stand_and_nothing_of_it_is_recorded
     page: Page, built: LiveServer
 ) -> None:
     page.keyboard.press("t")
-    expect(page.get_by_role("list", name="Drawn over the game")).to_contain_text("remaining targets")
+    expect(page.get_by_role("list", name="Drawn over the game")).to_contain_text(
+        "remaining targets"
+    )
     boxes = []
     for _ in range(2):
         page.wait_for_timeout(1500)
