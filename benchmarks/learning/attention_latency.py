@@ -39,13 +39,14 @@ from trainer.reward.pretraining import pretrained_network
 from trainer.runtime.priority import lower_priority
 from tril.cores import core_count
 from tril.inference import InferenceClient, endpoint_of
+from tril.settings import Settings
 
 NETWORKS = ("reward", "imitator")
 
 
 def learn_for_ever() -> None:
     """Learn a reward network on random screens, as a training's heaviest stages do."""
-    lower_priority()
+    lower_priority(Settings().learning_niceness)
     torch.set_num_threads(core_count())
     with torch_seeded(np.random.default_rng(0)):
         network = pretrained_network(np.random.default_rng(0))
