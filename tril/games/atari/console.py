@@ -94,7 +94,7 @@ class AtariConsole:
         self._restored_screen: Screen | None = None
 
     def start(self, start: Start) -> None:
-        """Begin a game: reset, run the intro and the start's idle frames."""
+        """Begin a game: reset, run the intro if it is skipped, and the start's idle frames."""
         state = self._start_cache.get(start)
         if state is None:
             self._play_to(_atari(start))
@@ -106,7 +106,8 @@ class AtariConsole:
         earlier = [
             known
             for known in map(_atari, list(self._start_cache))  # another thread may add one
-            if (known.mode, known.difficulty) == (start.mode, start.difficulty)
+            if (known.mode, known.difficulty, known.intro)
+            == (start.mode, start.difficulty, start.intro)
             and known.idle_frames < start.idle_frames
         ]
         noop = self.game.controls.noop
@@ -118,9 +119,10 @@ class AtariConsole:
             self._ale.setMode(start.mode)
             self._ale.setDifficulty(start.difficulty)
             self._ale.reset_game()
-            for _ in range(self._intro.hold):
-                self.act(self._intro.button)
-            frames = self._intro.frames - self._intro.hold + start.idle_frames
+            intro = self._intro if start.intro else Intro()
+            for _ in range(intro.hold):
+                self.act(intro.button)
+            frames = intro.frames - intro.hold + start.idle_frames
         for _ in range(frames):
             self.act(noop)
         self.score = 0

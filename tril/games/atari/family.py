@@ -56,6 +56,7 @@ def _game(entry: Entry) -> Game:
             legs=Legs(actions=tuple(range(controls.n_actions)), max_steps=LEG_STEPS),
             modes=entry.modes,
             difficulties=entry.difficulties,
+            has_intro=intro["frames"] > 0,
         ),
         screen=ScreenSpec(
             *entry.screen,

@@ -23,24 +23,29 @@ class AtariStart(Start):
         idle_frames: frames after the intro in which no key is held, 0 to 127.
         mode: the cartridge's game mode.
         difficulty: the position of the console's difficulty switch.
+        intro: whether the intro is skipped unseen. Without, the game begins right after the reset,
+            as recordings of others do; none of the starts for play or evaluation does.
     """
 
     idle_frames: int
     mode: int = 0
     difficulty: int = 0
+    intro: bool = True
 
     @property
     def key(self) -> tuple[int, ...]:
-        """Idle frames, mode and difficulty."""
-        return (self.idle_frames, self.mode, self.difficulty)
+        """Idle frames, mode and difficulty, and a 0 if the intro is not skipped."""
+        values = (self.idle_frames, self.mode, self.difficulty)
+        return values if self.intro else (*values, 0)
 
     def to_json(self) -> JsonObject:
-        """Return the values by name."""
-        return {
+        """Return the values by name; `intro` only where it is not skipped."""
+        values = {
             "idle_frames": self.idle_frames,
             "mode": self.mode,
             "difficulty": self.difficulty,
         }
+        return values if self.intro else values | {"intro": 0}
 
 
 def _permutation() -> tuple[int, ...]:
@@ -90,12 +95,14 @@ class AtariStarts:
         legs: its openings.
         modes: the modes in which it may be played; the first is the default.
         difficulties: the difficulties at which it may be played; the first is the default.
+        has_intro: whether an intro precedes it.
     """
 
     title: str
     legs: Legs
     modes: tuple[int, ...] = (0,)
     difficulties: tuple[int, ...] = (0,)
+    has_intro: bool = True
     n_evaluation: int = EVALUATION_START_COUNT
 
     @cached_property
@@ -131,12 +138,12 @@ class AtariStarts:
         return AtariStart(idle_frames, self.modes[0], self.difficulties[0])
 
     def parse(self, data: JsonObject) -> AtariStart:
-        """Read what `AtariStart.to_json` returned; mode and difficulty may be missing.
+        """Read what `AtariStart.to_json` returned; all but the idle frames may be missing.
 
         Raises:
             UnknownStart: a value is missing, unknown or out of its range.
         """
-        known = {"idle_frames", "mode", "difficulty"}
+        known = {"idle_frames", "mode", "difficulty", "intro"}
         for name, value in data.items():
             if name not in known:
                 raise UnknownStart(f"A start has {', '.join(sorted(known))}, but no {name!r}.")
@@ -148,7 +155,11 @@ class AtariStarts:
             data["idle_frames"],
             data.get("mode", self.modes[0]),
             data.get("difficulty", self.difficulties[0]),
+            # Without an intro both are the same start.
+            bool(data.get("intro", 1)) or not self.has_intro,
         )
+        if data.get("intro", 1) not in (0, 1):
+            raise UnknownStart(f"Expected 0 or 1 for a start's intro, got {data['intro']}.")
         if not 0 <= start.idle_frames <= MAX_IDLE_FRAMES:
             raise UnknownStart(
                 f"Expected 0 to {MAX_IDLE_FRAMES} idle frames, got {start.idle_frames}."
@@ -178,7 +189,9 @@ class AtariStarts:
 
     def evaluation_number(self, start: Start) -> int | None:
         """Return the start number of an evaluation start at any mode and difficulty."""
-        if not isinstance(start, AtariStart) or start.idle_frames not in EVALUATION_IDLE_FRAMES:
+        if not isinstance(start, AtariStart) or not start.intro:
+            return None
+        if start.idle_frames not in EVALUATION_IDLE_FRAMES:
             return None
         return EVALUATION_IDLE_FRAMES.index(start.idle_frames)
 

@@ -43,6 +43,16 @@ def test_nothing_moves_before_the_start_and_keys_work_after_it() -> None:
     assert ram(console)[28] > x
 
 
+def test_a_start_without_its_intro_is_right_after_the_reset() -> None:
+    emulator = new_console()
+    emulator._ale.reset_game()
+    actions = random_actions(seed=2, frames=FRAMES)
+    console = new_console({})
+    console.start(AtariStart(3))  # a start in the cache that must not be gone on from
+    console.start(AtariStart(5, intro=False))
+    assert play(console, actions) == play(emulator, [0] * 5 + actions)[5:]
+
+
 def test_starts_are_the_same_in_whatever_order_they_are_reached() -> None:
     starts = [
         AtariStart(90),
@@ -50,7 +60,9 @@ def test_starts_are_the_same_in_whatever_order_they_are_reached() -> None:
         AtariStart(91),
         AtariStart(4, difficulty=1),
         AtariStart(50),
+        AtariStart(50, intro=False),
         AtariStart(91),
+        AtariStart(51, intro=False),
     ]
     shared = new_console({})
     for start in starts:

@@ -3,6 +3,7 @@ import pytest
 
 from testsupport.space_invaders import EVALUATION_STARTS, evaluation_start, idle_frames
 from tril.errors import Invalid
+from tril.games import game_named
 from tril.games.atari.starts import EVALUATION_START_COUNT, TRAINING_IDLE_FRAMES, AtariStart
 from tril.games.base import draw_start
 from tril.games.space_invaders import SPACE_INVADERS
@@ -59,8 +60,24 @@ def test_drawn_starts_cover_the_training_starts_and_no_evaluation_start() -> Non
         ({"idle_frames": 128}, "0 to 127 idle frames"),
         ({"idle_frames": 0, "mode": 3}, "Expected game mode 0"),
         ({"idle_frames": 0, "difficulty": 2}, "difficulty 0 or 1"),
+        ({"idle_frames": 0, "intro": 2}, "Expected 0 or 1 for a start's intro, got 2"),
     ],
 )
 def test_a_start_that_does_not_exist_is_refused(values: dict[str, int], message: str) -> None:
     with pytest.raises(Invalid, match=message):
         SPACE_INVADERS.starts.parse(values)
+
+
+def test_a_start_without_its_intro_is_no_evaluation_start_and_keeps_its_name() -> None:
+    starts = SPACE_INVADERS.starts
+    start = starts.parse({"idle_frames": 0, "intro": 0})
+    assert starts.parse(start.to_json()) == start
+    assert start != starts.parse({"idle_frames": 0})
+    assert start.key != starts.parse({"idle_frames": 0}).key
+    assert starts.evaluation_number(start) is None
+    assert starts.evaluation_number(starts.parse({"idle_frames": 0, "intro": 1})) is not None
+
+
+def test_where_no_intro_precedes_a_game_both_starts_are_one() -> None:
+    starts = game_named("pong").starts
+    assert starts.parse({"idle_frames": 0, "intro": 0}) == starts.parse({"idle_frames": 0})
