@@ -7,6 +7,7 @@ once a second verifies this.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Self
@@ -260,6 +261,7 @@ def verify(
     recording: Recording,
     taken: Sequence[Cell] | None = None,
     console: Console | None = None,
+    rewards: Sequence[float] | None = None,
 ) -> Verified:
     """Verify a recording by replaying it.
 
@@ -267,12 +269,13 @@ def verify(
         recording: The recording; its hashes are compared if it has any.
         taken: The expected items, in order of time; None skips the comparison.
         console: A console of its game to replay on; None makes one.
+        rewards: What the game is expected to pay at every frame; None skips the comparison.
 
     Raises:
         RecordingRefused: It was played on another version of the game, or the replay differs.
     """
     _check_version(recording)
-    played = replay(recording, console)
+    played = replay(recording, console, None if rewards is None else _RewardCheck(rewards))
     _check_hashes(recording, played.hashes)
     cells = [one.cell for one in played.taken]
     if taken is not None and cells != [tuple(cell) for cell in taken]:
@@ -374,6 +377,28 @@ def _check_version(recording: Recording) -> None:
             f"The recording was played on another version of {recording.game.title}"
             f" ({recording.version}); {recording.game.version} is installed."
         )
+
+
+class _RewardCheck:
+    """Compares what a replayed game pays with what was recorded, frame by frame."""
+
+    def __init__(self, rewards: Sequence[float]) -> None:
+        self._rewards = rewards
+        self._score = 0.0
+
+    def __call__(self, episode: Episode) -> None:
+        """Look at the start or the frame that was executed."""
+        paid, self._score = episode.score - self._score, episode.score
+        if episode.frame == 0:
+            return
+        recorded = self._rewards[episode.frame - 1]
+        if not math.isclose(paid, recorded, rel_tol=1e-6, abs_tol=1e-6):
+            raise RecordingRefused(
+                f"The replay leaves the recorded rewards at frame {episode.frame:,}: the game pays"
+                f" {paid:g}, the recording says {recorded:g}. It was played from another start, or"
+                " on another version of the game or its emulator. If its rewards were clipped,"
+                " leave them out."
+            )
 
 
 def _check_hashes(recording: Recording, replayed: Sequence[str]) -> None:

@@ -72,7 +72,9 @@ def list_recordings(behaviour: BehaviourOption, as_json: JsonOption = False) -> 
 
 @app.command("import")
 def import_files(
-    files: Annotated[list[Path], typer.Argument(help="Recordings: JSON or JSON Lines.")],
+    files: Annotated[
+        list[Path], typer.Argument(help="Recordings or action lists: JSON or JSON Lines.")
+    ],
     behaviour: BehaviourOption,
     rank: Annotated[
         bool, typer.Option("--rank", help="Rank the recordings in the files' order, best first.")

@@ -16,7 +16,6 @@ from server.dependencies import BehaviourId, Who, services_of
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril.exchange.example import open_example
 from tril.exchange.recording_transfer import RecordingImportResult, import_recordings
-from tril.store import behaviours
 from tril.store.training import runs
 
 router = APIRouter(tags=["recordings"])
@@ -34,7 +33,8 @@ UPLOAD_TIMEOUT_S = 120
     openapi_extra={
         "requestBody": {
             "required": True,
-            "description": "Recordings in the exchange format: one object, or JSON Lines.",
+            "description": "Recordings in the exchange format or action lists: one object, or JSON"
+            " Lines.",
             # Each line is judged on its own, and the answer says which were refused.
             "content": {"application/x-ndjson": {"schema": {}}, "application/json": {"schema": {}}},
         }
@@ -62,8 +62,6 @@ async def import_recordings_file(
     def add() -> RecordingImportResult:
         content.seek(0)
         with content:
-            with database.reading() as session:
-                behaviours.get(session, behaviour_id)
             return import_recordings(
                 database,
                 behaviour_id,

@@ -10,6 +10,7 @@ from typing import Any, BinaryIO
 from sqlalchemy.orm import Session
 
 from tril.errors import Invalid
+from tril.exchange.formats.action_list import with_defaults
 from tril.exchange.formats.jsonl import MAX_OBJECTS, read_lines
 from tril.exchange.formats.recording_file import (
     ImportedRecording,
@@ -17,10 +18,11 @@ from tril.exchange.formats.recording_file import (
     load_recording,
     ranking_of,
 )
-from tril.games.base import Start
+from tril.games import game_of
+from tril.games.base import Game, Start
 from tril.play.consoles import Consoles
 from tril.recording import Recording
-from tril.store import audit, library, rankings, recordings
+from tril.store import audit, behaviours, library, rankings, recordings
 from tril.store.database import Database
 from tril.store.models import RecordingRow, Source
 from tril.text import shown_json
@@ -78,7 +80,8 @@ def import_recordings(
     Args:
         database: The database of the library.
         behaviour_id: The behaviour they show.
-        file: One object or JSON Lines in the exchange format.
+        file: One object or JSON Lines, each in the exchange format or an action list, which
+            gets the behaviour's length and end rule where it names none.
         rank: Append the file's order, from best to worst, to the current ranking as one revision.
             Equal tiers become ties.
         perfect: Mark all of them as perfect, else those marked in the file.
@@ -88,15 +91,17 @@ def import_recordings(
         load: Loads and verifies a recording, as ``load_recording`` does; None for doing it here.
 
     Raises:
+        NotFound: There is no such behaviour.
         Conflict: The player would have too many recordings.
         Invalid: ``rank`` and ``perfect`` at once.
     """
     if rank and perfect:
         raise Invalid("Choose either ranking the recordings or marking all of them as perfect.")
     outcome = RecordingImportResult()
-    accepted = _read(
-        file, outcome, max_recordings, load or partial(load_recording, consoles=Consoles())
-    )
+    with database.reading() as session:
+        game = game_of(behaviours.as_behaviour(behaviours.get(session, behaviour_id)))
+    load = load or partial(load_recording, consoles=Consoles())
+    accepted = _read(file, outcome, max_recordings, game, load)
     if not accepted:
         outcome.n_notices = len(outcome.notices)
         return outcome
@@ -171,6 +176,7 @@ def _read(
     file: BinaryIO | bytes | str,
     outcome: RecordingImportResult,
     max_recordings: int,
+    game: Game,
     load: Callable[[object], ImportedRecording],
 ) -> list[tuple[int, ImportedRecording]]:
     accepted: dict[tuple[str, Start, bytes, str], tuple[int, ImportedRecording]] = {}
@@ -179,7 +185,8 @@ def _read(
         try:
             if line.refusal is not None:
                 raise Invalid(line.refusal)
-            given = load(line.content)
+            given = load(with_defaults(line.content, game))
+            _refuse_other_game(given.recording, game)
         except Invalid as error:
             refusals.append(LineMessage(line.number, str(error)))
             continue
@@ -193,6 +200,14 @@ def _read(
     # The last one may say that the file is too long.
     del refusals[MAX_EXAMPLES - 1 : -1]
     return [*accepted.values()]
+
+
+def _refuse_other_game(recording: Recording, game: Game) -> None:
+    if recording.game.name != game.name:
+        raise Invalid(
+            f"It is a game of {recording.game.title}, but the behaviour is one of {game.title}."
+            f" Import it into a behaviour of {recording.game.title}."
+        )
 
 
 def _rank(

@@ -5393,7 +5393,7 @@ export interface operations {
             };
             cookie?: never;
         };
-        /** @description Recordings in the exchange format: one object, or JSON Lines. */
+        /** @description Recordings in the exchange format or action lists: one object, or JSON Lines. */
         requestBody: {
             content: {
                 "application/json": unknown;

@@ -14,6 +14,7 @@ MAX_DIGITS = 309
 
 _FORMATS = {
     "tril-recording": "recordings; import them into a behaviour with `tril recordings import`",
+    "tril-actions": "a list of actions; import it with `tril recordings import`",
     "tril-behaviour": "a whole behaviour; import it with `tril behaviours import`",
     "tril-run": "the run.json of a run's archive; import the zip with `tril runs import`",
     "tril-backup": "the manifest of a backup; work on its folder with `TRIL_DATA=FOLDER tril up`",
@@ -79,12 +80,12 @@ def parse_json(text: str) -> Any:
         raise ValueError("it is nested too deeply") from None
 
 
-def describe_foreign(head: bytes, expected: str) -> str | None:
-    """Return what a file is, by its beginning, if it is not JSON in the format expected.
+def describe_foreign(head: bytes, *expected: str) -> str | None:
+    """Return what a file is, by its beginning, if it is not JSON in a format expected.
 
     Args:
         head: The file's beginning.
-        expected: The format, such as ``tril-recording``.
+        *expected: The formats, such as ``tril-recording``.
 
     Returns:
         The rest of the sentence that begins with "The file is"; None if it may be in the format.
@@ -96,7 +97,7 @@ def describe_foreign(head: bytes, expected: str) -> str | None:
     text = head.decode(json.detect_encoding(head), errors="replace").lstrip("\ufeff \t\r\n")
     if not text or text.startswith("{"):
         found = _FORMAT.search(text)
-        return None if found is None or found[1] == expected else _FORMATS.get(found[1])
+        return None if found is None or found[1] in expected else _FORMATS.get(found[1])
     if "\0" in text or text.count("\ufffd") > 1:
         return "not text"
     if text.startswith("["):

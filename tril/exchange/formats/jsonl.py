@@ -9,11 +9,14 @@ from dataclasses import dataclass
 from io import BytesIO
 from typing import BinaryIO
 
+from tril.exchange.formats import action_list
 from tril.exchange.formats.json_text import decode_json, describe_foreign, parse_json
 from tril.exchange.formats.recording_object import FORMAT, truncated
 
 MAX_OBJECT_BYTES = 64 * 1024
-"""Maximum size of a recording in the exchange format, as UTF-8."""
+"""Maximum size of a recording that Tril wrote, as UTF-8."""
+MAX_LINE_BYTES = 2 * 2**20
+"""Maximum size of a recording in a file: an action list with names takes 20 bytes a frame."""
 MAX_OBJECTS = 10_000
 """Maximum number of recordings in a file."""
 EXPECTED = "Tril imports recordings as JSON, one object or one per line (docs/exchange-format.md)."
@@ -36,7 +39,7 @@ class JsonLine:
 
 def read_lines(
     file: BinaryIO | bytes | str,
-    max_object_bytes: int = MAX_OBJECT_BYTES,
+    max_object_bytes: int = MAX_LINE_BYTES,
     max_objects: int = MAX_OBJECTS,
 ) -> Iterator[JsonLine]:
     """Read a file with one recording, or with one in each line (JSON Lines).
@@ -53,7 +56,7 @@ def read_lines(
         file = file.encode()
     stream = BytesIO(file) if isinstance(file, bytes) else file
     head = stream.read(max_object_bytes + 1)
-    if (foreign := describe_foreign(head, FORMAT)) is not None:
+    if (foreign := describe_foreign(head, FORMAT, action_list.FORMAT)) is not None:
         yield JsonLine(1, None, f"The file is {foreign}. {EXPECTED}")
         return
     try:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tril.errors import Invalid, NotFound
+from tril.exchange.formats.action_list import ActionList, is_action_list, read_action_list
 from tril.exchange.formats.recording_object import (
     FORMAT,
     VERSION,
@@ -18,10 +19,10 @@ from tril.exchange.formats.recording_object import (
 )
 from tril.games import game_named
 from tril.games.base import Game, Taken
-from tril.games.settings import GameSettings
+from tril.games.settings import MAX_STEPS, GameSettings
 from tril.play.consoles import Consoles
 from tril.ranking import Ranking
-from tril.recording import Recording, RecordingRefused, Replay, verify
+from tril.recording import Recording, RecordingRefused, Replay, Verified, verify
 
 
 @dataclass(frozen=True)
@@ -93,7 +94,7 @@ def dump_recording(
 
 
 def load_recording(content: object, consoles: Consoles | None = None) -> ImportedRecording:
-    """Load a recording from the exchange format and verify it by a replay.
+    """Load a recording from the exchange format or an action list; verify it by a replay.
 
     Args:
         content: Parsed JSON.
@@ -101,13 +102,18 @@ def load_recording(content: object, consoles: Consoles | None = None) -> Importe
 
     Raises:
         RecordingRefused: The content is invalid, is of a game that is not installed or was played
-            on another version of it, or its items or hashes differ from the replay's.
+            on another version of it, or its items, hashes or rewards differ from the replay's.
     """
+    actions = None
+    if isinstance(content, dict) and is_action_list(content):
+        actions = read_action_list(content)
+        content = actions.content
     given = parse_recording(content)
     recording = as_recording(given)
     game = recording.game
     cells = None if given.taken is None else [(row, column) for row, column in given.taken]
-    verified = verify(recording, cells, (consoles or Consoles()).of(game))
+    rewards = None if actions is None else actions.rewards
+    verified = verify(recording, cells, (consoles or Consoles()).of(game), rewards)
     return ImportedRecording(
         recording=verified.recording,
         replay=verified.replay,
@@ -117,7 +123,10 @@ def load_recording(content: object, consoles: Consoles | None = None) -> Importe
         notes=given.notes or "",
         conditions=given.conditions or {},
         parent=given.parent,
-        notices=tuple(_notices(game, given, verified.replay, verified.n_cut)),
+        notices=(
+            *_notices(game, given, verified.replay, verified.n_cut),
+            *(() if actions is None else _action_notices(game, actions, verified)),
+        ),
     )
 
 
@@ -176,3 +185,15 @@ def _notices(game: Game, given: RecordingObject, played: Replay, n_cut: int) -> 
         yield f"The given end is {truncated(repr(given.end))}, but the replay {end}.{hint}"
     if unknown := list(given.model_extra or {}):
         yield f"Unknown members were ignored: {truncated(', '.join(unknown), 200)}."
+
+
+def _action_notices(game: Game, actions: ActionList, verified: Verified) -> Iterator[str]:
+    yield from actions.notices
+    clock = game.clock
+    if verified.n_cut and verified.replay.end == game.time_end and clock.max_steps < MAX_STEPS:
+        longest_s = MAX_STEPS * clock.frames_per_step / clock.frame_rate_hz
+        yield (
+            f"Its first {clock.max_frames:,} frames were imported, the longest game of the"
+            f" behaviour. A behaviour may have games of up to {longest_s:g} s, and a list names"
+            " its own max_steps."
+        )

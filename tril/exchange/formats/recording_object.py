@@ -39,7 +39,8 @@ CellArray = Annotated[
     list[Annotated[int, Field(ge=0, le=MAX_CELL)]], Field(min_length=2, max_length=2)
 ]
 
-GameName = Annotated[str, Field(min_length=1, max_length=160)]
+MAX_GAME_NAME_LENGTH = 160
+GameName = Annotated[str, Field(min_length=1, max_length=MAX_GAME_NAME_LENGTH)]
 SettingsObject = Annotated[dict[str, Any], Field(max_length=8)]
 
 

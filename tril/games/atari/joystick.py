@@ -6,8 +6,22 @@ from collections.abc import Sequence
 
 from tril.games.base import Controls
 
+_DIAGONALS = ("UPRIGHT", "UPLEFT", "DOWNRIGHT", "DOWNLEFT")
+
 BUTTONS = ("left", "right", "up", "down", "fire")
 """In the order of their bits; a game has those that its actions need."""
+
+ALL_ACTIONS = tuple(
+    move + fire
+    for moves, fire in (
+        (("NOOP", "FIRE", "UP", "RIGHT", "LEFT", "DOWN"), ""),
+        (_DIAGONALS, ""),
+        (("UP", "RIGHT", "LEFT", "DOWN"), "FIRE"),
+        (_DIAGONALS, "FIRE"),
+    )
+    for move in moves
+)
+"""All actions of a joystick, in the order of the emulator's numbers."""
 
 _KEYS = {
     "left": ("ArrowLeft", "KeyA"),
@@ -24,15 +38,25 @@ def joystick(actions: Sequence[str]) -> Controls:
     Where nothing is above, the keys for up fire, too.
     """
     needed = [button for button in BUTTONS if any(button.upper() in name for name in actions)]
-    bits = {button: 1 << place for place, button in enumerate(needed)}
     keys = {key: button for button in needed for key in _KEYS[button]}
     if "fire" in needed and "up" not in needed:
         keys |= dict.fromkeys(_KEYS["up"], "fire")
     return Controls(
         actions=tuple(actions),
         buttons=tuple(needed),
-        held=tuple(
-            sum(bit for button, bit in bits.items() if button.upper() in name) for name in actions
-        ),
+        held=tuple(_held(needed, name) for name in actions),
         default_keys=keys,
     )
+
+
+def reduced_action(controls: Controls, name: str) -> int:
+    """Return the action of a game for any of a joystick's: its own, or what is left of it.
+
+    What a game has no action for does nothing in it, such as up in Pong.
+    """
+    return controls.action_for(_held(controls.buttons, name))
+
+
+def _held(buttons: Sequence[str], name: str) -> int:
+    """Return the buttons held for an action, as bits, by the action's name."""
+    return sum(1 << place for place, button in enumerate(buttons) if button.upper() in name)

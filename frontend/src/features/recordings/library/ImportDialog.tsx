@@ -97,7 +97,10 @@ export function ImportDialog({
             }}
           />
           <span>
-            <Trans>One JSON object, or one per line, as the export writes them.</Trans>
+            <Trans>
+              One JSON object, or one per line, as the export writes them; or games of others as
+              lists of actions.
+            </Trans>
           </span>
         </div>
         <Checkbox
