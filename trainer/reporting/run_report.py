@@ -21,9 +21,12 @@ from trainer.reporting.figures import (
 from trainer.reporting.rendering import render
 from trainer.reporting.result_groups import Duel, ResultGroup
 from trainer.reporting.run_entry import cells, describe_example, entry_of
+from trainer.reporting.score_results import scores_of
 from tril.analysis.outcome import AttentionState
 from tril.files.artifact_store import ArtifactStore, write_whole
+from tril.games import game_of
 from tril.games.behaviours import score
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.play.agent import STICKY_ACTION_PROBABILITY
 from tril.recipes import recipe_from_dict
 from tril.store import behaviours, recordings
@@ -105,9 +108,13 @@ def read_report(database: Database, store: ArtifactStore, run_id: str) -> RunRep
         verdict = verdict_of(session, run, alarm)
         curves = metrics.series(session, run_id)[1].get("imitator", {})
         files = artifacts.listing(session, run_id)
+        # Where the behaviour has targets, they say more.
+        scores = scores_of(session, run).means if behaviour.target is None else {}
     group = ResultGroup(behaviour, (result,))
     duels = group.duels(recipe_from_dict(run.recipe).evaluation.start_numbers)
-    figures: dict[str, Figure] = {"aliens": partial(_aliens, duels, best)}
+    figures: dict[str, Figure] = {}
+    if behaviour.game == SPACE_INVADERS.name:
+        figures["aliens"] = partial(_aliens, duels, best)
     if result.check:
         figures["returns"] = partial(returns_figure, [(behaviour.name, result)])
     if judged:
@@ -127,6 +134,8 @@ def read_report(database: Database, store: ArtifactStore, run_id: str) -> RunRep
         "parent_run_id": run.parent_run_id,
         "verdict": verdict,
         "warning": run.outcome.check.warning if run.outcome.check else "",
+        "items": game_of(behaviour).items,
+        "scores": list(scores.items()),
         "duels": duels,
         "group": group,
         "policies": evaluations.POLICIES,
