@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -10,16 +11,18 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cli.commands.runs import chosen_recipe, start_run
-from cli.follow import StandbyWorker, standby_worker
+from cli.follow import StandbyWorker, follow_to_end, standby_worker
 from cli.output import console, errors
 from cli.progress import progress_bar
+from cli.score_example import MAX_GAMES, MIN_GAMES, print_scores, score_example
 from cli.workspace import Workspace, open_workspace
 from tril.demonstrators import KINDS, SCRIPTED, kind_named
 from tril.errors import Invalid
-from tril.files.artifact_store import ArtifactStore
+from tril.files.artifact_store import ArtifactStore, write_whole
+from tril.games import game_named
 from tril.games.space_invaders import SPACE_INVADERS
 from tril.games.space_invaders.behaviours import BUILT_IN
-from tril.recipes import RECIPES, Recipe, judged_where_trained, recipe_from_dict
+from tril.recipes import FAST, PAPER, RECIPES, Recipe, judged_where_trained, recipe_from_dict
 from tril.store import behaviours
 from tril.store.models import RunRow, RunStatus
 from tril.store.training import runs
@@ -33,6 +36,11 @@ ONE_AT_A_TIME = (
     " Run the command once for each."
 )
 
+SCORE_ALONE = (
+    "--score has demonstrations of its own: leave out --behaviour, --demonstrations, --own-starts"
+    " and --page-only."
+)
+
 _BEHAVIOURS = {one.slug: one for one in BUILT_IN}
 
 
@@ -43,9 +51,19 @@ def reproduce(
     ] = None,
     training_seed: Annotated[
         list[int] | None,
-        typer.Option("--training-seed", "-s", help="May be repeated. Default: 0, 1, 2."),
+        typer.Option(
+            "--training-seed",
+            "--seed",
+            "-s",
+            help="May be repeated. Default: 0, 1, 2, with --score 0.",
+        ),
     ] = None,
-    recipe: Annotated[str, typer.Option(help=f"One of {', '.join(RECIPES)}.")] = "fast",
+    recipe: Annotated[
+        str,
+        typer.Option(
+            help=f"One of {', '.join(RECIPES)}. Default: {FAST.name}, with --score {PAPER.name}."
+        ),
+    ] = "",
     steps: Annotated[
         int | None, typer.Option(min=1, help="PPO steps. Default: what the recipe proposes.")
     ] = None,
@@ -75,6 +93,19 @@ def reproduce(
             " whose reward may follow any quantity: that of fast considers only hits.",
         ),
     ] = True,
+    score: Annotated[
+        str | None,
+        typer.Option(
+            "--score",
+            metavar="GAME",
+            help="T-REX's own experiment in a game, as `tril games list` names it: games of varied"
+            " play, ranked by the game's score. Reports what imitator and clone score.",
+        ),
+    ] = None,
+    games: Annotated[
+        int,
+        typer.Option(min=MIN_GAMES, max=MAX_GAMES, help="With --score: games that are ranked."),
+    ] = 24,
     output: Annotated[
         Path,
         typer.Option(
@@ -96,6 +127,19 @@ def reproduce(
     from trainer.reporting.ledger import Ledger
     from trainer.reporting.results_page import write_page
 
+    if score is not None:
+        with open_workspace() as workspace:
+            if behaviour or demonstrations or own_starts or page_only:
+                raise Invalid(SCORE_ALONE)
+            game = game_named(score)
+            chosen = chosen_recipe(recipe or PAPER.name, value, game)
+            for seed in training_seed or [0]:
+                slug = score_example(workspace, game, games, seed)
+                run_id = _run_on_ranking(workspace, slug, chosen, steps, seed)
+                follow_to_end(workspace, run_id)
+                folder = _write_scores(workspace, run_id, output)
+                console.print(f"Results: {folder}", soft_wrap=True)
+        return
     chosen = chosen_recipe(recipe, value, SPACE_INVADERS)
     slugs = behaviour or list(_BEHAVIOURS)
     if unknown := [slug for slug in slugs if slug not in _BEHAVIOURS]:
@@ -126,6 +170,37 @@ def reproduce(
                 f"{failed} of {len(missing)} runs were not finished; see tril runs list. Run the"
                 " command again to repeat them."
             )
+
+
+def _run_on_ranking(
+    workspace: Workspace, slug: str, recipe: Recipe, steps: int | None, training_seed: int
+) -> str:
+    """Return the newest run on a behaviour's ranking that is done or not over, else a new one."""
+    wanted = (recipe, steps or recipe.proposed_steps(ordered=False), training_seed)
+    with workspace.database.reading() as session:
+        for row in runs.listing(session, behaviours.by_slug(session, slug).id):
+            is_usable = row.status == RunStatus.DONE or not RunStatus(row.status).is_over
+            if not is_usable or row.example or row.parent_run_id is not None:
+                continue
+            if (recipe_from_dict(row.recipe), row.steps, row.training_seed) == wanted:
+                return row.id
+    return start_run(workspace, slug, recipe, steps, training_seed, go_on_anyway=True)
+
+
+def _write_scores(workspace: Workspace, run_id: str, output: Path) -> Path:
+    """Print what a run's policies score; write it, and the run's page, and return the folder."""
+    from trainer.reporting.results_page import cell_folder
+    from trainer.reporting.run_entry import read_entry
+    from trainer.reporting.run_report import write_report
+    from trainer.reporting.score_results import read_scores
+
+    result = read_scores(workspace.database, run_id)
+    print_scores(result)
+    folder = output / cell_folder(read_entry(workspace.database, run_id))
+    store = ArtifactStore(workspace.settings.artifact_root)
+    write_report(workspace.database, store, run_id, folder)
+    write_whole(folder / "scores.json", json.dumps(result.to_json(), indent=1).encode() + b"\n")
+    return folder
 
 
 def cells_of(

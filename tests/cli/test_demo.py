@@ -21,8 +21,8 @@ from tril.store.models import RunStatus
 from tril.store.training import evaluations, runs
 
 
-def _tril(*arguments: str) -> str:
-    """Run the command to its end; returns what it printed."""
+def tril(*arguments: str, errors: bool = False) -> str:
+    """Run the command to its end; returns what it printed, with its messages if asked for."""
     done = subprocess.run(
         [sys.executable, "-m", "cli", *arguments],
         env={**os.environ, "TRIL_LEARNING_THREADS": "1"},
@@ -31,7 +31,7 @@ def _tril(*arguments: str) -> str:
         timeout=580,
     )
     assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
+    return done.stdout + done.stderr if errors else done.stdout
 
 
 @pytest.mark.lengthy
@@ -39,7 +39,7 @@ def _tril(*arguments: str) -> str:
 def test_the_smallest_demo_is_complete(data_folder: Path, tmp_path: Path) -> None:
     results = tmp_path / "results"
     values = [argument for value in SMALLEST for argument in ("--set", value)]
-    _tril("demo", "-b", "column-2", "--steps", "64", "--output", str(results), *values)
+    tril("demo", "-b", "column-2", "--steps", "64", "--output", str(results), *values)
 
     page = (results / "README.md").read_text()
     assert "scripted demonstrator" in page
@@ -79,7 +79,7 @@ def test_the_smallest_demo_is_complete(data_folder: Path, tmp_path: Path) -> Non
     assert [shown.rank for shown in entry.demonstrations] == list(range(1, 13))
     database.close()
 
-    (again,) = _tril(
+    (again,) = tril(
         "evaluate", run.id, "--starts", "7", "--action-selection", "sticky", "--json"
     ).splitlines()
     stored = next(
