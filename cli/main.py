@@ -23,7 +23,7 @@ COMMANDS = {
     ),
     "demo": (
         "cli.commands.demo:demo",
-        "Make scripted demonstrations, rank them, train, evaluate, and write summary and pictures.",
+        "Make demonstrations, rank them, train, evaluate, and write summary and pictures.",
     ),
     "train": (
         "cli.commands.runs:train",

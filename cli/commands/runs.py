@@ -30,7 +30,6 @@ from tril.store.training import evaluations, runs
 
 app = typer.Typer(help="Training runs.", no_args_is_help=True)
 
-RecipeOption = Annotated[str, typer.Option(help=f"One of {', '.join(RECIPES)}.")]
 StepsOption = Annotated[
     int | None,
     typer.Option(min=1, max=100_000_000, help="Steps. Default: what the recipe proposes."),

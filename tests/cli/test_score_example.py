@@ -1,4 +1,4 @@
-"""``tril reproduce --score``: varied games, ranked by their score."""
+"""``tril reproduce --score`` and ``tril demo --game``: varied games, ranked by their score."""
 
 from __future__ import annotations
 
@@ -104,6 +104,9 @@ def test_a_game_in_which_random_play_scores_nothing_is_refused(workplace: Workpl
         ("reproduce --score pong -b column-1", "--score has demonstrations of its own"),
         ("reproduce --score pang", "There is no game 'pang' here"),
         ("reproduce --score pong --recipe fast", "fast"),
+        ("demo --game pong -b column-1", "There is no scripted player of Pong"),
+        ("demo --game pong --demonstrations six", "There is no scripted player of Pong"),
+        ("demo --game pang", "There is no game 'pang' here"),
     ],
 )
 def test_what_cannot_be_is_refused(command: str, message: str) -> None:
@@ -152,3 +155,23 @@ def test_the_score_of_the_imitator_is_set_beside_the_demonstrations(
     file.unlink()
     tril(*command)
     assert json.loads(file.read_text()) == result
+
+
+@pytest.mark.lengthy
+@pytest.mark.timeout(600)
+def test_a_demo_of_another_game_says_what_its_example_is(data_folder: Path, tmp_path: Path) -> None:
+    output = tril(
+        "demo",
+        "--game",
+        CART_POLE,
+        "--steps",
+        "64",
+        "--output",
+        str(tmp_path),
+        *VALUES,
+        errors=True,
+    )
+    assert "12 games of random actions in" in " ".join(output.split())
+    assert "nobody played them" in " ".join(output.split())
+    assert "imitator greedy" in output
+    assert (tmp_path / "README.md").exists()
