@@ -108,7 +108,7 @@ def make_workplace(folder: Path) -> Workplace:
     template = _template(on_postgresql())
     shutil.copytree(template.data, folder, dirs_exist_ok=True)
     copy_database(template, folder)
-    settings = settings_on(folder, learning_threads=1)
+    settings = settings_on(folder, learning_threads=1, learning_niceness=0)
     database = create_database(settings.application_url)
     with database.reading() as session:
         behaviour_id = behaviours.by_slug(session, "column-1").id

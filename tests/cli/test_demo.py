@@ -28,14 +28,14 @@ def tril(*arguments: str, errors: bool = False) -> str:
         env={**os.environ, "TRIL_LEARNING_THREADS": "1"},
         capture_output=True,
         text=True,
-        timeout=580,
+        timeout=1100,
     )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout + done.stderr if errors else done.stdout
 
 
 @pytest.mark.lengthy
-@pytest.mark.timeout(600)
+@pytest.mark.timeout(1200)
 def test_the_smallest_demo_is_complete(data_folder: Path, tmp_path: Path) -> None:
     results = tmp_path / "results"
     values = [argument for value in SMALLEST for argument in ("--set", value)]

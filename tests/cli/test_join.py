@@ -48,7 +48,7 @@ def make_key(workplace: Workplace, role: Role = Role.WORKER) -> str:
 @pytest.fixture
 def elsewhere(tmp_path: Path) -> Settings:
     """Return the settings of another machine."""
-    return Settings(data=tmp_path / "elsewhere", learning_threads=1)
+    return Settings(data=tmp_path / "elsewhere", learning_threads=1, learning_niceness=0)
 
 
 # With SQLite.

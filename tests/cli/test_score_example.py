@@ -116,7 +116,7 @@ def test_what_cannot_be_is_refused(command: str, message: str) -> None:
 
 
 @pytest.mark.lengthy
-@pytest.mark.timeout(600)
+@pytest.mark.timeout(1200)
 def test_the_score_of_the_imitator_is_set_beside_the_demonstrations(
     data_folder: Path, tmp_path: Path
 ) -> None:
@@ -158,7 +158,7 @@ def test_the_score_of_the_imitator_is_set_beside_the_demonstrations(
 
 
 @pytest.mark.lengthy
-@pytest.mark.timeout(600)
+@pytest.mark.timeout(1200)
 def test_a_demo_of_another_game_says_what_its_example_is(data_folder: Path, tmp_path: Path) -> None:
     output = tril(
         "demo",

@@ -13,7 +13,7 @@ KILLS = ("kill server", "kill worker", "kill inference", "pause worker")
 
 
 @pytest.mark.lengthy
-@pytest.mark.timeout(900)
+@pytest.mark.timeout(1800)
 def test_kills_of_each_process_lose_nothing_that_was_acknowledged(tmp_path: Path) -> None:
     plan = Plan(
         n_faults=len(KILLS),

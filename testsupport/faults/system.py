@@ -127,7 +127,11 @@ def _add_members(plan: Plan, folder: Path, settings: Settings, target: Target) -
     network, servers = target.network, list[Settings]()
     library = build(folder) if target.database is not None else None
     shared = settings.model_copy(
-        update={"learning_threads": 1, "database_url": _url_in_network(settings, target)}
+        update={
+            "learning_threads": 1,
+            "learning_niceness": 0,
+            "database_url": _url_in_network(settings, target),
+        }
     )
     target.members.append(tril_member("inference", shared, folder / "logs"))
     for name in _names(plan):

@@ -57,7 +57,7 @@ EXAMPLES = int(os.environ.get("API_EXAMPLES", "8"))
 REAL = 0.75
 """Share of the valid ids in paths in whose place one of a thing that exists is sent."""
 
-ANSWER_TIMEOUT_S = 60
+ANSWER_TIMEOUT_S = 240
 """A recording as a GIF is drawn when it is first asked for, on whatever core is left."""
 
 

@@ -10,5 +10,7 @@ from trainer.runtime import worker
 
 if __name__ == "__main__":
     worker._gpu_name = lambda settings: "Pretended GPU"
-    settings = settings_on(Path(sys.argv[1]), learning_threads=1, learning_device="cpu")
+    settings = settings_on(
+        Path(sys.argv[1]), learning_threads=1, learning_niceness=0, learning_device="cpu"
+    )
     worker.run_worker(settings, until_empty=True)

@@ -43,7 +43,7 @@ OWN_CURVES = {
 
 
 @pytest.mark.lengthy
-@pytest.mark.timeout(600)
+@pytest.mark.timeout(1200)
 @pytest.mark.parametrize("method", RECIPES)
 def test_a_run_is_finished_and_whole_whether_it_was_killed_while_it_trained_or_not(
     workplace: Workplace, jobs: Jobs, zygote: Zygote, method: str

@@ -23,7 +23,7 @@ LONGEST_LIFE_S = 3.0
 
 
 @pytest.mark.lengthy
-@pytest.mark.timeout(400)
+@pytest.mark.timeout(900)
 def test_kills_in_the_middle_of_short_runs_leave_every_run_finished_and_whole(
     workplace: Workplace, jobs: Jobs, zygote: Zygote
 ) -> None:

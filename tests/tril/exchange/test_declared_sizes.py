@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from tril.exchange import run_archive
+from tril.exchange.formats.jsonl import MAX_LINE_BYTES
 from tril.exchange.formats.run_file import RunRefused
 from tril.exchange.run_archive import NETWORKS, RUN_FILE
 
@@ -152,7 +153,7 @@ def test_a_line_without_an_end_takes_no_more_than_its_bound(encoding: str, tmp_p
     path = tmp_path / "a.jsonl"
     path.write_bytes(("{" + "x" * 30_000_000).encode(encoding))
     said, _, megabytes = read_apart("recordings", path)
-    assert said == "The line is longer than 65536 bytes."
+    assert said == f"The line is longer than {MAX_LINE_BYTES} bytes."
     assert megabytes < 200
 
 
