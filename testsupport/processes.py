@@ -180,7 +180,8 @@ def whole_tril(data: Path, *arguments: str, **how: Any) -> Iterator[TrilProcess]
         **how: As for tril_process.
     """
     up = ("up", "--port", "0", "--no-browser", *arguments)
-    with tril_process(settings_on(data), *up, **how) as tril:
+    # Behind the games, but not behind everything that the tests beside it do.
+    with tril_process(settings_on(data, learning_niceness=10), *up, **how) as tril:
         port = urlsplit(tril.address).port
         tril.settings = tril.settings.model_copy(update={"port": port})
         yield tril

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page, expect, sync_playwright
 
 from server.web.pages import FRONTEND
 from tests.e2e.every_page import EveryPage, serving_every_page
-from tests.e2e.pages import DESKTOP, watched_page
+from tests.e2e.pages import DESKTOP, PATIENCE_MS, watched_page
 from testsupport.browser import launch_chromium
 from testsupport.live import LiveServer, live_server
 from testsupport.processes import TrilProcess, whole_tril
@@ -19,6 +19,7 @@ from testsupport.workplace import make_workplace
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Browser]:
     """Return a headless Chromium."""
+    expect.set_options(timeout=PATIENCE_MS)
     with sync_playwright() as playwright:
         browser = launch_chromium(playwright)
         yield browser

@@ -11,7 +11,7 @@ from playwright.sync_api import Browser, BrowserContext, Page, ViewportSize
 from testsupport.live import LiveServer, cookie
 
 DESKTOP = ViewportSize(width=1280, height=900)
-PATIENCE_MS = 15_000
+PATIENCE_MS = 30_000
 
 
 @contextmanager
