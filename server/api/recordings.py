@@ -38,7 +38,6 @@ from server.web.permissions import RESEARCHERS_MEMBERS
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril.errors import NotFound
 from tril.exchange import recording_transfer
-from tril.games.space_invaders.memory import RAM_NAMES
 from tril.store import audit, behaviours, library, recordings
 from tril.store.access.credentials import Identity
 from tril.store.models import RecordingRow
@@ -271,6 +270,8 @@ def get_recording_course(
 ) -> RecordingCourse:
     """Return the action of every frame, and the recordings that this one is related to."""
     row = recordings.get(session, recording_id)
+    recording = recordings.as_recording(row)
+    names = sorted(recording.game.memory_names.items())
     return RecordingCourse(
         actions=list(row.actions),
         parent=parent_of(session, who, row),
@@ -280,8 +281,8 @@ def get_recording_course(
             if branch.parent_frame is not None
         ],
         conditions=shown_json(row.conditions),
-        memory_url=f"/api/recordings/{row.id}/memory?v={version_of(recordings.as_recording(row))}",
-        memory_names=[MemoryCell(address=at, name=name) for at, name in sorted(RAM_NAMES.items())],
+        memory_url=f"/api/recordings/{row.id}/memory?v={version_of(recording)}",
+        memory_names=[MemoryCell(address=address, name=name) for address, name in names],
     )
 
 

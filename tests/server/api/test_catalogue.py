@@ -2,27 +2,14 @@
 
 from __future__ import annotations
 
-import io
-
 import pytest
-from PIL import Image
 from starlette.testclient import TestClient
-
-from tril.games import game_titles
 
 
 def _behaviour(client: TestClient, **values: object) -> dict[str, object]:
     answer = client.post("/api/behaviours", json={"name": "Stay up", **values})
     assert answer.status_code == 201, answer.text
     return dict(answer.json())
-
-
-def test_the_catalogue_has_all_games_in_order_of_titles(reader: TestClient) -> None:
-    titles = reader.get("/api/catalogue").json()
-    assert {one["name"]: one["title"] for one in titles} == game_titles()
-    assert [one["title"] for one in titles] == sorted(
-        (one["title"] for one in titles), key=str.casefold
-    )
 
 
 def test_games_that_were_played_come_first(client: TestClient) -> None:
@@ -47,15 +34,6 @@ def test_a_game_says_what_the_page_needs_of_it(reader: TestClient) -> None:
     known = reader.get("/api/catalogue/games/space_invaders").json()
     assert known["has_player"]
     assert (known["items"]["rows"], known["items"]["plural"]) == (6, "aliens")
-
-
-def test_a_game_has_a_picture(reader: TestClient) -> None:
-    url = reader.get("/api/catalogue/games/breakout").json()["picture_url"]
-    answer = reader.get(url)
-    assert "immutable" in answer.headers["Cache-Control"]
-    picture = Image.open(io.BytesIO(answer.content)).convert("RGB")
-    assert picture.size == (160, 210)
-    assert len(picture.getcolors() or ()) > 4
 
 
 @pytest.mark.parametrize("path", ["games/tetris_2", "pictures/tetris_2"])

@@ -7,6 +7,7 @@ from starlette.testclient import TestClient
 
 from tests.server.clients import replayed, stored
 from testsupport.workplace import FRAMES, Workplace
+from tril.games import game_named
 from tril.games.space_invaders import memory as game
 from tril.store.models import RecordingRow, RecordingState
 
@@ -40,6 +41,18 @@ def test_memory_is_that_of_a_replay_at_the_start_and_after_every_frame(
     cannon = memory[:, names["cannon, x"]].astype(int)
     assert cannon[0] == game.PLAYER_LEFT_WALL
     assert cannon[-1] > cannon[0], "it went to the right"
+
+
+def test_addresses_are_named_by_the_game_of_the_recording(
+    client: TestClient, workplace: Workplace
+) -> None:
+    with workplace.database.writing() as session:
+        row = session.get_one(RecordingRow, workplace.ranked[0])
+        pong = game_named("pong")
+        row.game, row.game_version, row.end_rule = pong.name, pong.version, pong.end_rule
+        row.start = pong.starts.training[0].to_json()
+    course = client.get(f"/api/recordings/{workplace.ranked[0]}/course").json()
+    assert course.get("memory_names") == [], course
 
 
 def test_branches_and_their_parent_name_each_other(
