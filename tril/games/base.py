@@ -26,6 +26,7 @@ from tril.games.settings import (
     GameSettings,
 )
 from tril.games.settings import Rectangle as Rectangle
+from tril.games.things import Tally, Thing
 
 Screen = npt.NDArray[np.uint8]
 """A screen: uint8 (height, width) of palette values, or (height, width, 3) RGB."""
@@ -506,6 +507,8 @@ class Game:
         has_memory: Whether consoles have a memory to show.
         items: The countable things in it, if any.
         counters: Names of what is counted, with what it is, e.g. {"shots": "missiles fired"}.
+        things: Things whose place its memory tells, by name.
+        tallies: What bytes of its memory count, by name.
         overlay: What the page may draw over its screens, if anything.
         memory_names: Names of memory addresses.
         ghost: Reads the player's track off a recording's memory and start; None if it can't be.
@@ -530,6 +533,8 @@ class Game:
     has_memory: bool = True
     items: ItemGrid | None = None
     counters: Mapping[str, str] = field(default_factory=dict)
+    things: Mapping[str, Thing] = field(default_factory=dict)
+    tallies: Mapping[str, Tally] = field(default_factory=dict)
     overlay: Overlay | None = None
     memory_names: Mapping[int, str] = field(default_factory=dict)
     ghost: Callable[[bytes, Start], Track] | None = None

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
 
 from tril.errors import Invalid
 from tril.games.atari.catalogue import Entry, entries, rom_md5, rom_path
@@ -12,6 +16,7 @@ from tril.games.atari.palette import PIXEL_ASPECT, palette_grayscale, palette_rg
 from tril.games.atari.readout import ENDS, LIFE, OVER, AtariReadout
 from tril.games.atari.starts import AtariStarts, Legs
 from tril.games.base import Clock, Game, GameFamily, Rectangle, ScreenSpec, StartCache
+from tril.games.things import Tally, thing_from_json
 
 
 class AtariFamily:
@@ -38,6 +43,17 @@ class AtariFamily:
         return _game(entry)
 
 
+@cache
+def _known_things() -> dict[str, Any]:
+    """Return the things and tallies of each game; a test compares them with the picture.
+
+    The addresses are those of AtariARI (Anand et al. 2019, Unsupervised State Representation
+    Learning in Atari; MIT licence), the offsets were fitted to screens.
+    """
+    known: dict[str, Any] = json.loads(Path(__file__).with_name("things.json").read_text())
+    return known
+
+
 def _game(entry: Entry) -> Game:
     intro = entry.intro or {"frames": 0, "button": 0, "hold": 0}
 
@@ -45,6 +61,7 @@ def _game(entry: Entry) -> Game:
         return AtariConsole(game, rom_path(entry.rom), Intro(**intro), start_cache)
 
     controls = joystick(entry.actions)
+    known = _known_things().get(entry.rom, {})
     return Game(
         name=entry.rom,
         title=entry.title,
@@ -69,6 +86,8 @@ def _game(entry: Entry) -> Game:
         end_rules=(LIFE, OVER) if entry.lives else (OVER,),
         new_console=console,
         new_readout=AtariReadout,
+        things={name: thing_from_json(thing) for name, thing in known.get("things", {}).items()},
+        tallies={name: Tally(**tally) for name, tally in known.get("tallies", {}).items()},
     )
 
 

@@ -9,6 +9,7 @@ from tril.games.atari.family import ATARI
 from tril.games.base import Game, ItemGrid
 from tril.games.breakout.readout import ENDS, BreakoutReadout
 from tril.games.breakout.wall import COLUMNS, ROWS
+from tril.games.things import Absence, Axis, Thing
 
 MEMORY_NAMES = {
     57: "lives",
@@ -17,6 +18,17 @@ MEMORY_NAMES = {
     99: "ball, x",
     101: "ball, y",
 }
+THINGS = {
+    "paddle": Thing("paddle", x=Axis(-39.5, byte=72), y=Axis(190.5)),
+    "ball": Thing(
+        "ball",
+        x=Axis(-48.5, byte=99),
+        y=Axis(11, byte=101),
+        absent=(Absence(101, 0, 0), Absence(101, 179, 255)),
+    ),
+}
+"""The ball counts as absent below the paddle."""
+
 _COLOURS = ("#4248c8", "#48a048", "#a2a22a", "#b47a30", "#c66c3a", "#c84848")
 """Colours of the rows, from the bottom."""
 
@@ -30,6 +42,7 @@ def _breakout() -> Game:
         ends=ENDS,
         new_readout=BreakoutReadout,
         items=ItemGrid(ROWS, COLUMNS, "brick", "bricks", "break", _COLOURS),
+        things=THINGS,
         memory_names=MEMORY_NAMES,
     )
 

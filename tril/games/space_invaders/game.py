@@ -23,6 +23,7 @@ from tril.games.space_invaders.cannon_track import cannon_track
 from tril.games.space_invaders.ends import END_RULES, ENDS
 from tril.games.space_invaders.memory import Action
 from tril.games.space_invaders.readout import MARKS_BYTES, SpaceInvadersReadout
+from tril.games.things import Absence, Axis, Thing
 
 
 def _console(game: Game, start_cache: StartCache) -> AtariConsole:
@@ -30,6 +31,17 @@ def _console(game: Game, start_cache: StartCache) -> AtariConsole:
 
 
 _LEFT, _RIGHT, _FIRE = 1, 2, 4
+
+THINGS = {
+    "cannon": Thing("cannon", x=Axis(2, byte=facts.RAM_PLAYER_X), y=Axis(190)),
+    "missile": Thing(
+        "missile",
+        x=Axis(-2, byte=facts.RAM_MISSILE_X),
+        y=Axis(8, scale=2, byte=facts.RAM_MISSILE_Y),
+        absent=(Absence(facts.RAM_MISSILE_Y, facts.NO_MISSILE, facts.NO_MISSILE),),
+    ),
+}
+"""The cannon's centre is that of difficulty 0."""
 
 SPACE_INVADERS = Game(
     name="space_invaders",
@@ -76,6 +88,7 @@ SPACE_INVADERS = Game(
     new_readout=SpaceInvadersReadout,
     items=ItemGrid(facts.ROWS, facts.COLUMNS, "alien", "aliens", "hit"),
     counters={"shots": "missiles fired"},
+    things=THINGS,
     overlay=Overlay(
         painter="alien-formation",
         geometry={
