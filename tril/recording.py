@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Self
 
 import numpy as np
@@ -17,6 +17,8 @@ import numpy.typing as npt
 
 from tril.errors import Invalid
 from tril.games.base import Cell, Console, Game, Start, Taken, cell_name
+from tril.games.measures import Measure
+from tril.games.measuring import Played, Values, check_measures, measure, reads_memory
 from tril.play.episode import Episode, EpisodeState
 from tril.play.observation import OBSERVATION_SHAPE, AgentView
 
@@ -110,6 +112,7 @@ class Replay:
         counters: Counts, by name.
         score: Rewards of the game itself.
         hashes: Hash of the console's memory after every second.
+        measured: Values of measures, by their keys.
     """
 
     taken: tuple[Taken, ...]
@@ -118,6 +121,7 @@ class Replay:
     counters: dict[str, int]
     score: float
     hashes: tuple[str, ...]
+    measured: Values = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -262,6 +266,7 @@ def verify(
     taken: Sequence[Cell] | None = None,
     console: Console | None = None,
     rewards: Sequence[float] | None = None,
+    measures: Sequence[Measure] = (),
 ) -> Verified:
     """Verify a recording by replaying it.
 
@@ -270,12 +275,15 @@ def verify(
         taken: The expected items, in order of time; None skips the comparison.
         console: A console of its game to replay on; None makes one.
         rewards: What the game is expected to pay at every frame; None skips the comparison.
+        measures: What to measure in the same replay.
 
     Raises:
         RecordingRefused: It was played on another version of the game, or the replay differs.
+        Invalid: The game can't be measured so.
     """
     _check_version(recording)
-    played = replay(recording, console, None if rewards is None else _RewardCheck(rewards))
+    check_rewards = None if rewards is None else _RewardCheck(rewards)
+    played = _measured_replay(recording, console, measures, check_rewards)
     _check_hashes(recording, played.hashes)
     cells = [one.cell for one in played.taken]
     if taken is not None and cells != [tuple(cell) for cell in taken]:
@@ -284,6 +292,35 @@ def verify(
         )
     kept = replace(recording, actions=recording.actions[: played.n_frames], hashes=played.hashes)
     return Verified(kept, played, recording.n_frames - played.n_frames)
+
+
+def _measured_replay(
+    recording: Recording,
+    console: Console | None,
+    measures: Sequence[Measure],
+    on_frame: Callable[[Episode], None] | None,
+) -> Replay:
+    game = recording.game
+    check_measures(game, measures)
+    memory: list[npt.NDArray[np.uint8]] = []
+
+    def keep_memory(episode: Episode) -> None:
+        memory.append(np.frombuffer(episode.console.ram_bytes(), np.uint8))
+        if on_frame:
+            on_frame(episode)
+
+    needs_memory = any(reads_memory(game, one) for one in measures)
+    played = replay(recording, console, keep_memory if needs_memory else on_frame)
+    seen = Played(
+        memory=np.array(memory, np.uint8),
+        actions=recording.actions[: played.n_frames],
+        taken=played.taken,
+        counters=played.counters,
+        score=played.score,
+        end=played.end,
+    )
+    measured = {one.measure.key: one.value for one in measure(game, measures, seen)}
+    return replace(played, measured=measured)
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from tril.errors import Invalid
+from tril.games.measures import Measure, check_number
 from tril.games.settings import UNSET, GameSettings
 
 Cell = tuple[int, int]
@@ -23,6 +24,7 @@ class Behaviour:
         target: Items to take, in order if ``ordered``; None if items do not describe it.
         ordered: Whether their order matters.
         settings: What it sets of its game.
+        measures: What of a game tells in numbers how well it shows the behaviour.
     """
 
     slug: str
@@ -32,10 +34,12 @@ class Behaviour:
     target: tuple[Cell, ...] | None = None
     ordered: bool = False
     settings: GameSettings = UNSET
+    measures: tuple[Measure, ...] = ()
 
     def __post_init__(self) -> None:
         if not self.name.strip():
             raise Invalid("A behaviour needs a name.")
+        check_number(self.measures)
         if self.target is None:
             if self.ordered:
                 raise Invalid("An order needs targets. Pick some or turn the order off.")
