@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from server.archives import ArchiveMaker
 from server.change_stream import Change, ChangeStream
 from server.concurrency import ConcurrencyLimit
+from server.measurer import TOPICS, Measurer
 from server.play.background import PeriodicTask
 from server.play.consoles import ConsolePool
 from server.play.hub import N_SPARE_CONSOLES, PlayHub
@@ -119,9 +120,13 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
     cache = Cache(settings.cache_folder, settings.cache_limit_bytes)
     access = Access(settings, database)
 
+    measurer = Measurer(database, replays)
+
     def on_change(changes: Collection[Change]) -> None:
         if any(topic == credentials.CHANGES for topic, _ in changes):
             access.forget()
+        if any(topic in TOPICS for topic, _ in changes):
+            measurer.wake()
 
     play = PlayHub(database, consoles, replays, name, rules, limits)
     services = Services(
@@ -150,11 +155,13 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
         consoles.start()
         services.games.start()
         services.watching.start()
+        measurer.start()
         jobs.start_reconciling()
         yield services
     finally:
         await services.watching.stop()
         await services.games.stop()
+        await measurer.stop()
         await asyncio.to_thread(replays.stop)
         await asyncio.to_thread(consoles.stop)
         services.changes.stop()

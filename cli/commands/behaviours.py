@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -19,8 +19,10 @@ from tril.errors import Invalid
 from tril.exchange import behaviour_transfer
 from tril.exchange.formats.behaviour_file import BehaviourRefused
 from tril.files.artifact_store import write_whole
-from tril.games import DEFAULT_GAME, game_named
+from tril.games import DEFAULT_GAME, game_named, ready_made
 from tril.games.base import Cell
+from tril.games.behaviours import Behaviour
+from tril.games.measures import Measure, measure_from_json
 from tril.games.settings import GameSettings
 from tril.store import audit, behaviours, borrowed, players, rankings
 
@@ -66,7 +68,7 @@ def list_behaviours(as_json: JsonOption = False) -> None:
 
 @app.command()
 def add(
-    name: Annotated[str, typer.Argument(help="Name, e.g. 'Left side only'.")],
+    name: Annotated[str | None, typer.Argument(help="Name, e.g. 'Left side only'.")] = None,
     description: Annotated[str, typer.Option(help="What a perfect game looks like.")] = "",
     target: Annotated[
         list[str] | None,
@@ -81,17 +83,54 @@ def add(
     option: Annotated[
         list[str] | None, typer.Option(help="Of the start, e.g. mode=4; see `tril games show`.")
     ] = None,
+    measure: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="What tells how well a game shows it, as JSON, e.g."
+            ' \'{"kind": "score", "at_least": 100}\'; see docs/behaviour-format.md.'
+        ),
+    ] = None,
+    ready: Annotated[
+        str | None,
+        typer.Option("--ready-made", help="One that comes with the game; see `tril games show`."),
+    ] = None,
 ) -> None:
-    """Add a behaviour."""
+    """Add a behaviour: one of your own, or one that comes with its game."""
     with open_workspace() as workspace, workspace.database.writing() as session:
-        cells = None if target is None else tuple(_cell(text) for text in target)
-        clock = game_named(game).clock
-        steps = None
-        if seconds is not None:
-            steps = round(seconds * clock.frame_rate_hz / clock.frames_per_step)
-        options = tuple(sorted(_option(text) for text in option or ()))
-        settings = GameSettings(None, steps, end_rule, options)
-        row = behaviours.create(session, name, description, cells, ordered, game, settings)
+        if ready is not None:
+            if target or ordered or seconds or end_rule or option or measure:
+                raise Invalid(
+                    "A ready-made behaviour is added as it is. Add one of your own instead, or"
+                    " change it on the page."
+                )
+            given = ready_made(game_named(game), ready)
+            given = replace(
+                given,
+                name=name or behaviours.free_name(session, given.name),
+                description=description or given.description,
+            )
+        else:
+            if name is None:
+                raise Invalid("A behaviour needs a name, or --ready-made.")
+            cells = None if target is None else tuple(_cell(text) for text in target)
+            clock = game_named(game).clock
+            steps = None
+            if seconds is not None:
+                steps = round(seconds * clock.frame_rate_hz / clock.frames_per_step)
+            options = tuple(sorted(_option(text) for text in option or ()))
+            settings = GameSettings(None, steps, end_rule, options)
+            measures = tuple(map(_measure, measure or ()))
+            given = Behaviour("", name, description, game, cells, ordered, settings, measures)
+        row = behaviours.create(
+            session,
+            given.name,
+            given.description,
+            given.target,
+            given.ordered,
+            given.game,
+            given.settings,
+            given.measures,
+        )
         console.print(f"Added {row.slug}.")
 
 
@@ -208,6 +247,13 @@ def _option(text: str) -> tuple[str, int]:
     if not re.fullmatch(r"-?\d{1,9}", value):
         raise Invalid(f"Expected an option as NAME=NUMBER, e.g. mode=4, got {text!r}.")
     return name, int(value)
+
+
+def _measure(text: str) -> Measure:
+    try:
+        return measure_from_json(json.loads(text))
+    except json.JSONDecodeError as error:
+        raise Invalid(f"Expected a measure as JSON, got {text!r}: {error}.") from None
 
 
 def _cell(text: str) -> Cell:

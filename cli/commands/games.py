@@ -63,6 +63,9 @@ def show_game(
         "items": "none"
         if game.items is None
         else f"{game.items.rows} x {game.items.columns} {game.items.plural}",
+        "things that can be measured": ", ".join(game.things) or "none",
+        "counters": ", ".join((*game.counters, *game.tallies)) or "none",
+        "ready-made behaviours": ", ".join(one.slug for one in game.behaviours) or "none",
         "rewinding": "yes" if game.saves_states else "no: the game does not save states",
     }
     if as_json:

@@ -17,6 +17,7 @@ from server.api.schemas.behaviours import (
     PlannedDemonstration,
     Settings,
 )
+from server.api.schemas.measures import Measure, measures_of
 from server.dependencies import BehaviourId, ReadSession, Who, WriteSession
 from server.web.permissions import for_reader
 from server.web.problems import CONFLICT, NOT_FOUND
@@ -50,6 +51,7 @@ def create_behaviour(session: WriteSession, new: BehaviourNew) -> Behaviour:
         new.ordered,
         game=new.game,
         settings=GameSettings.from_json(new.settings.model_dump()),
+        measures=measures_of(new.measures),
     )
     return _one(session, row)
 
@@ -104,6 +106,7 @@ def update_behaviour(
         settings=None
         if update.settings is None
         else GameSettings.from_json(update.settings.model_dump()),
+        measures=None if update.measures is None else measures_of(update.measures),
     )
     return _one(session, row)
 
@@ -136,7 +139,13 @@ def _view(row: BehaviourRow, counts: Mapping[int, behaviours.Counts]) -> Behavio
     behaviour = behaviours.as_behaviour(row)
     counted = counts.get(row.id, behaviours.Counts())
     settings = Settings.model_validate(behaviour.settings.to_json())
-    return Behaviour.of(row, target=behaviour.target, settings=settings, **asdict(counted))
+    return Behaviour.of(
+        row,
+        target=behaviour.target,
+        settings=settings,
+        measures=[Measure.of_measure(one) for one in behaviour.measures],
+        **asdict(counted),
+    )
 
 
 def _cells(target: list[Cell] | None) -> tuple[Cell, ...] | None:

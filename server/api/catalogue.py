@@ -9,13 +9,23 @@ from fastapi import APIRouter, Request
 from sqlalchemy import func, select
 from starlette.responses import Response
 
-from server.api.schemas.catalogue import Items, NamedEnd, NamedRule, TaughtGame, Title
+from server.api.schemas.behaviours import Settings
+from server.api.schemas.catalogue import (
+    Items,
+    NamedEnd,
+    NamedRule,
+    ReadyMade,
+    TaughtGame,
+    Title,
+)
+from server.api.schemas.measures import Measure
 from server.dependencies import ReadSession, services_of
 from server.play.replays import ReplayTask
 from server.web.problems import NOT_FOUND
 from tril import __version__
 from tril.demonstrators.varied import has_player
 from tril.games import game_named, game_titles
+from tril.games.behaviours import Behaviour
 from tril.games.settings import MAX_STEPS
 from tril.play.pictures import drawn_picture
 from tril.sample import sample
@@ -78,6 +88,9 @@ def get_title(name: str) -> TaughtGame:
         hidden=[(area.left, area.top, area.right, area.bottom) for area in game.screen.hidden],
         items=None if items is None else Items.of(items, row_colours=list(items.row_colours)),
         counters=dict(game.counters),
+        things={thing: found.title for thing, found in game.things.items()},
+        tallies={tally: found.title for tally, found in game.tallies.items()},
+        ready_made=[_ready_made(behaviour) for behaviour in game.behaviours],
         saves_states=game.saves_states,
         has_memory=game.has_memory,
         has_player=has_player(game.name),
@@ -97,6 +110,14 @@ def get_title_picture(request: Request, name: str) -> Response:
         played = sample(game_named(name))
         content = services_of(request).replay_cache.get(played, ReplayTask.THUMBNAIL)
     return Response(content, media_type="image/png", headers={"Cache-Control": _IMMUTABLE})
+
+
+def _ready_made(behaviour: Behaviour) -> ReadyMade:
+    return ReadyMade.of(
+        behaviour,
+        settings=Settings.model_validate(behaviour.settings.to_json()),
+        measures=[Measure.of_measure(measure) for measure in behaviour.measures],
+    )
 
 
 def _picture_url(name: str) -> str:

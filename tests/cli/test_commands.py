@@ -119,6 +119,40 @@ def test_a_behaviour_is_added_with_an_order_and_deleted() -> None:
 
 
 @pytest.mark.usefixtures("data_folder")
+def test_a_behaviour_is_added_with_measures_or_ready_made(tmp_path: Path) -> None:
+    measures = ["--measure", '{"kind": "score", "at_least": 100}', "--measure", '{"kind": "alive"}']
+    _run("behaviours", "add", "Hundred", *measures)
+    file = tmp_path / "hundred.json"
+    _run("behaviours", "export", "hundred", "-o", str(file))
+    assert json.loads(file.read_text())["measures"] == [
+        {"kind": "score", "at_least": 100},
+        {"kind": "alive"},
+    ]
+    assert "stay-up" in _run("behaviours", "add", "--game", "pong", "--ready-made", "stay-up")
+    entry = json.loads(_run("behaviours", "list", "--json"))[-1]
+    assert (entry["slug"], entry["name"]) == ("stay-up", "Stay up")
+    again = _run("behaviours", "add", "Up again", "--game", "pong", "--ready-made", "stay-up")
+    assert "up-again" in again
+    assert "stay-up" in _run("games", "show", "pong")
+
+
+@pytest.mark.usefixtures("data_folder")
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["A", "--measure", "score"], "as JSON"),
+        (["A", "--measure", '{"kind": "speed"}'], "one of the kinds"),
+        (["A", "--measure", '{"kind": "counter", "counter": "divers"}'], "it has shots"),
+        (["--game", "pong", "--ready-made", "left-tunnel"], "it has stay-up"),
+        (["--ready-made", "keep-left", "--ordered"], "added as it is"),
+        ([], "needs a name"),
+    ],
+)
+def test_measures_that_make_no_sense_are_refused(options: list[str], message: str) -> None:
+    assert message in _run("behaviours", "add", *options, status=1)
+
+
+@pytest.mark.usefixtures("data_folder")
 def test_an_exported_behaviour_is_imported_as_a_new_one(three: Path, tmp_path: Path) -> None:
     _run("recordings", "import", str(three), "-b", "column-1", "--rank", status=1)
     file = tmp_path / "column-1.tril.json"

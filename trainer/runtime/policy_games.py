@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session
 from trainer.policy.evaluation import EvaluatedGame
 from trainer.runtime.context import RunContext
 from tril.games.base import Console
+from tril.games.measuring import measurable
 from tril.recording import Verified, verify
 from tril.store import recordings
 from tril.store.models import RecordingRow, Source
@@ -20,9 +21,10 @@ def verify_games(
     context: RunContext, games: Sequence[EvaluatedGame], console: Console
 ) -> list[Verified]:
     """Replay games on a console, which shows that each is what it claims to be."""
+    measures = measurable(context.game, context.behaviour.measures)
     verified = []
     for game in games:
-        verified.append(verify(game.recording, console=console))
+        verified.append(verify(game.recording, console=console, measures=measures))
         context.check_cancelled()
     return verified
 

@@ -25,6 +25,8 @@ from tril.exchange.recording_transfer import dump_row
 from tril.games import game_of
 from tril.games.base import Cell
 from tril.games.behaviours import Behaviour
+from tril.games.measures import Measure, measures_from_json
+from tril.games.measuring import check_measures
 from tril.games.settings import GameSettings
 from tril.play.consoles import Consoles
 from tril.recording import RecordingRefused
@@ -93,6 +95,7 @@ def export_behaviour(session: Session, behaviour: BehaviourRow) -> tuple[dict[st
         "target": None if about.target is None else [list(cell) for cell in about.target],
         "ordered": about.ordered,
         "settings": about.settings.to_json(),
+        "measures": [measure.to_json() for measure in about.measures],
         "recordings": [
             _numbered(row, known, names)
             if row.behaviour_id == behaviour.id and row.run_id is None
@@ -123,7 +126,7 @@ def import_behaviour(
         Conflict: There are too many behaviours.
     """
     given = parse_behaviour(content)
-    settings = _check_game(given)
+    settings, measures = _check_game(given)
     replayed = _replayed(given)
     with database.writing() as session:
         found = None if name is not None else _empty_built_in(session, given, settings)
@@ -135,7 +138,9 @@ def import_behaviour(
             given.ordered,
             game=given.game,
             settings=settings,
+            measures=measures,
         )
+        row.measures = [measure.to_json() for measure in measures]
         ids = _add_recordings(session, row.id, given, replayed)
         revisions = [_ranking_row(session, row.id, saved, ids) for saved in given.rankings]
         rankings.restore_history(session, row.id, revisions)
@@ -200,8 +205,8 @@ def _target(given: BehaviourObject) -> tuple[Cell, ...] | None:
     return None if given.target is None else tuple((r, c) for r, c in given.target)
 
 
-def _check_game(given: BehaviourObject) -> GameSettings:
-    """Check that the behaviour's game is here and has what it sets and targets."""
+def _check_game(given: BehaviourObject) -> tuple[GameSettings, tuple[Measure, ...]]:
+    """Check that the behaviour's game is here and has what it sets, targets and measures."""
     for numbered in given.recordings:
         if numbered.recording.game != given.game:
             raise BehaviourRefused(
@@ -210,13 +215,17 @@ def _check_game(given: BehaviourObject) -> GameSettings:
             )
     try:
         settings = GameSettings.from_json(given.settings)
+        measures = measures_from_json(given.measures)
+        target = _target(given)
         behaviour = Behaviour(
-            given.slug, given.name, "", given.game, _target(given), given.ordered, settings
+            given.slug, given.name, "", given.game, target, given.ordered, settings, measures
         )
-        game_of(behaviour).check_target(behaviour)
+        game = game_of(behaviour)
+        game.check_target(behaviour)
+        check_measures(game, measures)
     except (Invalid, NotFound) as refusal:
         raise BehaviourRefused(str(refusal)) from refusal
-    return settings
+    return settings, measures
 
 
 def _replayed(given: BehaviourObject) -> dict[int, ImportedRecording]:

@@ -35,6 +35,7 @@ from tril.exchange.run_archive import NETWORKS, PICTURES, RunArchive, picture_na
 from tril.files.artifact_store import ArtifactStore
 from tril.games.base import Taken
 from tril.games.behaviours import Behaviour, score
+from tril.games.measures import measures_from_json
 from tril.games.settings import GameSettings
 from tril.play.consoles import Consoles
 from tril.recipes import checked, recipe_from_dict
@@ -170,6 +171,7 @@ def _taught(behaviour: Behaviour) -> TaughtBehaviour:
         target=None if behaviour.target is None else [list(cell) for cell in behaviour.target],
         ordered=behaviour.ordered,
         settings=behaviour.settings.to_json(),
+        measures=[measure.to_json() for measure in behaviour.measures],
     )
 
 
@@ -389,6 +391,7 @@ def _behaviour(session: Session, run: RunObject, name: str | None) -> BehaviourR
         given.ordered,
         game=run.game,
         settings=settings,
+        measures=measures_from_json(given.measures),
     )
 
 

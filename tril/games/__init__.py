@@ -24,6 +24,8 @@ _GAMES: Mapping[str, str] = {
 }
 """Games with a module of their own, imported when they are asked for."""
 
+_PUBLISHED = "tril.games.space_invaders.behaviours"
+
 _FAMILIES: Sequence[str] = (
     "tril.games.atari.family:ATARI",
     "tril.games.gymnasium.family:GYMNASIUM",
@@ -74,11 +76,23 @@ def game_titles() -> dict[str, str]:
     return dict(sorted(titles.items(), key=lambda item: item[1].casefold()))
 
 
-def ready_made() -> list[Behaviour]:
-    """Return the behaviours that come with games that have a module of their own."""
-    games = [game_named(name) for name in _GAMES]
-    games += [source for source in _sources() if isinstance(source, Game)]
-    return [behaviour for game in games for behaviour in game.behaviours]
+def published() -> tuple[Behaviour, ...]:
+    """Return the behaviours of the published work, which every data folder begins with."""
+    found: tuple[Behaviour, ...] = import_module(_PUBLISHED).BUILT_IN
+    return found
+
+
+def ready_made(game: Game, slug: str) -> Behaviour:
+    """Return a behaviour that comes with a game.
+
+    Raises:
+        NotFound: It has none of this short name; names those that it has.
+    """
+    for behaviour in game.behaviours:
+        if behaviour.slug == slug:
+            return behaviour
+    known = ", ".join(behaviour.slug for behaviour in game.behaviours) or "none"
+    raise NotFound(f"{game.title} has no ready-made behaviour {slug!r}; it has {known}.")
 
 
 @cache

@@ -513,7 +513,7 @@ class Game:
         memory_names: Names of memory addresses.
         ghost: Reads the player's track off a recording's memory and start; None if it can't be.
         pretrained: Whether networks that ship with Tril have learned to read its screens.
-        behaviours: Behaviours that come with it.
+        behaviours: Ready-made behaviours, offered where a person adds one.
         attribution: Licence and origin, where it has to be told.
         settings: What a behaviour sets of it; is in force in the other attributes.
     """

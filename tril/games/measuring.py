@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -92,6 +93,34 @@ def measured_before(measures: Iterable[Measure], values: Values) -> tuple[Measur
     return tuple(Measured(one, values.get(one.key), one.key in values) for one in measures)
 
 
+@dataclass(frozen=True)
+class MeasureMean:
+    """A measure over several games.
+
+    Attributes:
+        n: Number of games with a value.
+        mean: Mean of the values.
+        n_met: Number of games that meet it; None without a bound.
+    """
+
+    n: int
+    mean: float
+    n_met: int | None
+
+
+def mean_of(games: Iterable[Measured]) -> MeasureMean | None:
+    """Return the mean of a measure over games; None if none has a value."""
+    with_value = [one for one in games if one.value is not None]
+    if not with_value:
+        return None
+    met = [one.met for one in with_value]
+    return MeasureMean(
+        n=len(with_value),
+        mean=float(np.mean([one.value for one in with_value])),
+        n_met=None if None in met else sum(map(bool, met)),
+    )
+
+
 def reads_memory(game: Game, one: Measure) -> bool:
     """Return whether a measure needs the memory of every frame."""
     return isinstance(one, InRegion | Near) or (
@@ -124,6 +153,16 @@ def check_measures(game: Game, measures: Iterable[Measure]) -> None:
             _check_known(game, "action", one.action, game.controls.actions)
         if isinstance(one, Counted):
             _check_known(game, "counter", one.counter, (*game.counters, *game.tallies))
+
+
+def measurable(game: Game, measures: Iterable[Measure]) -> tuple[Measure, ...]:
+    """Return those measures that a game can be measured by, as versions of it may differ."""
+    accepted = []
+    for one in measures:
+        with suppress(Invalid):
+            check_measures(game, [one])
+            accepted.append(one)
+    return tuple(accepted)
 
 
 def _check_known(game: Game, what: str, name: str, known: Iterable[str]) -> None:

@@ -11,9 +11,11 @@ from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from tril.errors import Conflict, NameTaken, NotFound
-from tril.games import DEFAULT_GAME, game_of, ready_made
+from tril.games import DEFAULT_GAME, game_of, published
 from tril.games.base import Cell
 from tril.games.behaviours import Behaviour
+from tril.games.measures import Measure, measures_from_json
+from tril.games.measuring import check_measures
 from tril.games.settings import UNSET, GameSettings
 from tril.store import audit
 from tril.store.changes import note_change
@@ -58,8 +60,16 @@ class Counts:
 def as_behaviour(row: BehaviourRow) -> Behaviour:
     """Return the behaviour that a row holds."""
     target = None if row.target is None else tuple((r, c) for r, c in row.target)
-    settings = GameSettings.from_json(row.settings or {})
-    return Behaviour(row.slug, row.name, row.description, row.game, target, row.ordered, settings)
+    return Behaviour(
+        slug=row.slug,
+        name=row.name,
+        description=row.description,
+        game=row.game,
+        target=target,
+        ordered=row.ordered,
+        settings=GameSettings.from_json(row.settings or {}),
+        measures=measures_from_json(row.measures or []),
+    )
 
 
 def get(session: Session, behaviour_id: int) -> BehaviourRow:
@@ -140,12 +150,13 @@ def create(
     ordered: bool = False,
     game: str = DEFAULT_GAME,
     settings: GameSettings = UNSET,
+    measures: tuple[Measure, ...] = (),
 ) -> BehaviourRow:
     """Add a person's own behaviour.
 
     Raises:
         UnknownGame: There is no such game.
-        Invalid: The name is empty, or the target or a setting is not valid.
+        Invalid: The name is empty, or the target, a setting or a measure is not valid.
         TextRefused: The name or the description can't be accepted.
         NameTaken: There is one of this name.
         Conflict: There are MAX_BEHAVIOURS already.
@@ -157,8 +168,8 @@ def create(
         raise Conflict(f"There are {n} behaviours already; delete some first.")
     name = clean_line(name, MAX_NAME_LENGTH)
     slug = _free_slug(session, name)
-    behaviour = Behaviour(slug, name, description, game, target, ordered, settings)
-    game_of(behaviour).check_target(behaviour)
+    behaviour = Behaviour(slug, name, description, game, target, ordered, settings, measures)
+    _check(behaviour)
     _refuse_taken_name(session, behaviour.name)
     return _add(session, behaviour, built_in=False)
 
@@ -172,11 +183,14 @@ def update(
     ordered: bool,
     player_id: int | None = None,
     settings: GameSettings | None = None,
+    measures: tuple[Measure, ...] | None = None,
 ) -> None:
     """Change a behaviour, as somebody or, without ``player_id``, as a command in the terminal.
 
+    Measures can always change: nothing was learned from them.
+
     Raises:
-        Invalid: The name is empty, or the target or a setting is not valid.
+        Invalid: The name is empty, or the target, a setting or a measure is not valid.
         NameTaken: Another behaviour has this name.
         Conflict: The target or a setting would change although the behaviour is built-in or has
             recordings or runs, which were ranked and judged by it. What is hidden from learning can
@@ -185,8 +199,9 @@ def update(
     before = as_behaviour(row)
     settings = before.settings if settings is None else settings
     name = clean_line(name)
-    changed = Behaviour(row.slug, name, description, row.game, target, ordered, settings)
-    game_of(changed).check_target(changed)
+    measures = before.measures if measures is None else measures
+    changed = Behaviour(row.slug, name, description, row.game, target, ordered, settings, measures)
+    _check(changed)
     if settings != before.settings:
         _refuse_other_settings(session, row, settings, before.settings)
     if changed.name != before.name:
@@ -211,6 +226,7 @@ def update(
     row.name, row.description = changed.name, changed.description
     row.target, row.ordered = _target_json(changed), changed.ordered
     row.settings = changed.settings.to_json()
+    row.measures = [measure.to_json() for measure in changed.measures]
     note_change(session, "behaviour", row.id)
 
 
@@ -264,7 +280,7 @@ def free_name(session: Session, name: str) -> str:
 def seed_built_in(session: Session) -> None:
     """Add the built-in behaviours that are missing."""
     known = set(session.scalars(select(BehaviourRow.slug)))
-    for behaviour in ready_made():
+    for behaviour in published():
         if behaviour.slug not in known:
             _add(session, behaviour, built_in=True)
 
@@ -279,11 +295,18 @@ def _add(session: Session, behaviour: Behaviour, built_in: bool) -> BehaviourRow
         built_in=built_in,
         game=behaviour.game,
         settings=behaviour.settings.to_json(),
+        measures=[measure.to_json() for measure in behaviour.measures],
     )
     session.add(row)
     session.flush()
     note_change(session, "behaviour", row.id)
     return row
+
+
+def _check(behaviour: Behaviour) -> None:
+    game = game_of(behaviour)
+    game.check_target(behaviour)
+    check_measures(game, behaviour.measures)
 
 
 def _target_json(behaviour: Behaviour) -> list[list[int]] | None:

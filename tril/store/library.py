@@ -38,6 +38,7 @@ _COLUMNS = (
     RecordingRow.taken,
     RecordingRow.counters,
     RecordingRow.score,
+    RecordingRow.measured,
     RecordingRow.perfect,
     RecordingRow.deleted_at,
 )

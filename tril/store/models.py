@@ -253,7 +253,8 @@ class PlayerRow(Base):
 class BehaviourRow(Base):
     """A behaviour (see tril.games.behaviours.Behaviour).
 
-    ``target`` is a list of [row, column]; ``settings`` are those of its game, as JSON.
+    ``target`` is a list of [row, column]; ``settings`` are those of its game and ``measures`` what
+    tells how well a game shows it, as JSON.
     """
 
     __tablename__ = "behaviours"
@@ -267,6 +268,7 @@ class BehaviourRow(Base):
     built_in: Mapped[bool] = mapped_column(Boolean, default=False)
     game: Mapped[str] = mapped_column(String(160), server_default="space_invaders")
     settings: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict, server_default="{}")
+    measures: Mapped[list[dict[str, Any]]] = mapped_column(JSON, default=list, server_default="[]")
     created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
     deleted_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
 
@@ -276,7 +278,8 @@ class RecordingRow(Base):
 
     ``taken`` is a list of [row, column, frame] in order of time; ``hashes`` one digest after every
     second; ``n_frames`` the number of actions. ``max_steps`` is the longest that it could become,
-    None for the game's own length. Deletion only sets ``deleted_at``.
+    None for the game's own length. ``measured`` are values by the keys of measures (see
+    tril.store.measured). Deletion only sets ``deleted_at``.
     """
 
     __tablename__ = "recordings"
@@ -301,6 +304,9 @@ class RecordingRow(Base):
     taken: Mapped[list[list[int]]] = mapped_column(JSON, default=list)
     counters: Mapped[dict[str, int]] = mapped_column(JSON, default=dict, server_default="{}")
     score: Mapped[float | None] = mapped_column(Float)
+    measured: Mapped[dict[str, float | None]] = mapped_column(
+        JSON, default=dict, server_default="{}"
+    )
     end: Mapped[str | None] = mapped_column(String(16))
     verification: Mapped[str] = mapped_column(String(16), default=Verification.PENDING)
     verification_note: Mapped[str] = mapped_column(Text, default="")

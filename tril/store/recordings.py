@@ -60,6 +60,7 @@ def replay_of(row: RecordingRow) -> Replay:
         dict(row.counters),
         row.score or 0.0,
         tuple(row.hashes),
+        dict(row.measured),
     )
 
 
@@ -83,6 +84,7 @@ def columns_of(recording: Recording, played: Replay) -> dict[str, Any]:
         "taken": [[one.row, one.column, one.frame] for one in played.taken],
         "counters": played.counters,
         "score": played.score,
+        "measured": dict(played.measured),
         "end": played.end,
     }
 

@@ -1434,6 +1434,12 @@ export interface components {
             subject: string;
         };
         /**
+         * Axes
+         * @description Along which axes a distance is taken.
+         * @enum {string}
+         */
+        Axes: "x" | "y" | "both";
+        /**
          * BegunBy
          * @description The policy that played the first ``frames`` frames of a person's game.
          */
@@ -1468,6 +1474,8 @@ export interface components {
             has_example: boolean;
             /** Id */
             id: number;
+            /** Measures */
+            measures: components["schemas"]["Measure"][];
             /** N Perfect */
             n_perfect: number;
             /** N Ranked */
@@ -1504,6 +1512,11 @@ export interface components {
              * @default space_invaders
              */
             game: string;
+            /**
+             * Measures
+             * @default []
+             */
+            measures: components["schemas"]["Measure"][];
             /** Name */
             name: string;
             /**
@@ -1530,6 +1543,8 @@ export interface components {
         BehaviourUpdate: {
             /** Description */
             description?: string | null;
+            /** Measures */
+            measures?: components["schemas"]["Measure"][] | null;
             /** Name */
             name?: string | null;
             /** Ordered */
@@ -2024,7 +2039,8 @@ export interface components {
          * @description Recordings in brief, newest first: each list has the values of one field.
          *
          *     The fields are those of ``Recording``; ``parent_id`` and ``parent_frame`` are of its ``parent``,
-         *     ``n_hits`` is the number of its ``hits``. ``counters`` has a list for each of the game's.
+         *     ``n_hits`` is the number of its ``hits``. ``counters`` has a list for each of the game's,
+         *     ``measured`` one of values for each of the behaviour's measures.
          */
         LibraryColumns: {
             /** Counters */
@@ -2037,6 +2053,8 @@ export interface components {
             end: (string | null)[];
             /** Id */
             id: number[];
+            /** Measured */
+            measured: (number | null)[][];
             /** N Frames */
             n_frames: number[];
             /** N Hits */
@@ -2069,6 +2087,55 @@ export interface components {
             verification: components["schemas"]["Verification"][];
         };
         /**
+         * Measure
+         * @description What of a game is measured, and the bounds in which a behaviour wants it.
+         *
+         *     Which fields a kind has is told in docs/behaviour-format.md; the others are null. ``area`` is
+         *     left, top, right, bottom in pixels, the last two outside. Shares are from 0 to 1.
+         */
+        Measure: {
+            /** Action */
+            action?: string | null;
+            /** Area */
+            area?: [
+                number,
+                number,
+                number,
+                number
+            ] | null;
+            /** At Least */
+            at_least?: number | null;
+            /** At Most */
+            at_most?: number | null;
+            axes?: components["schemas"]["Axes"] | null;
+            /** Button */
+            button?: string | null;
+            /** Cells */
+            cells?: [
+                number,
+                number
+            ][] | null;
+            /** Counter */
+            counter?: string | null;
+            /** Distance Px */
+            distance_px?: number | null;
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "items" | "order" | "region" | "nearness" | "rate" | "score" | "alive" | "length" | "counter";
+            /** Other */
+            other?: string | null;
+            per?: components["schemas"]["Per"] | null;
+            /** Sequences */
+            sequences?: [
+                number,
+                number
+            ][][][] | null;
+            /** Thing */
+            thing?: string | null;
+        };
+        /**
          * MeasuredOrder
          * @description What happens to R while pixels are hidden or shown in an order.
          *
@@ -2087,6 +2154,48 @@ export interface components {
             hidden_fifth: number;
             /** Insertion */
             insertion: number;
+        };
+        /**
+         * MeasuredValue
+         * @description The value of a measure in a game, in the order of the behaviour's measures.
+         *
+         *     ``value`` is null if there was nothing to measure, or while the value is not ``known`` yet.
+         *     ``met`` is null without a value or a bound.
+         */
+        MeasuredValue: {
+            /** Known */
+            known: boolean;
+            /** Met */
+            met: boolean | null;
+            unit: components["schemas"]["Unit"];
+            /** Value */
+            value: number | null;
+        };
+        /**
+         * MeasureMean
+         * @description The mean over ``n`` games, of which ``n_met`` meet the measure; null without a bound.
+         */
+        MeasureMean: {
+            /** Mean */
+            mean: number;
+            /** N */
+            n: number;
+            /** N Met */
+            n_met: number | null;
+        };
+        /**
+         * MeasureRow
+         * @description A measure over a training's games.
+         *
+         *     ``imitator`` and ``clone`` are greedy games from held-out starts, ``person`` the ranked games
+         *     that people played; null where none has a value.
+         */
+        MeasureRow: {
+            clone: components["schemas"]["MeasureMean"] | null;
+            imitator: components["schemas"]["MeasureMean"] | null;
+            measure: components["schemas"]["Measure"];
+            person: components["schemas"]["MeasureMean"] | null;
+            unit: components["schemas"]["Unit"];
         };
         /**
          * MemoryCell
@@ -2185,6 +2294,12 @@ export interface components {
             /** Seen At */
             seen_at: string | null;
         };
+        /**
+         * Per
+         * @description What a rate of an action is relative to.
+         * @enum {string}
+         */
+        Per: "second" | "time";
         /**
          * Person
          * @description Somebody who has been let in. ``behaviour_ids`` is what they play as a participant.
@@ -2435,6 +2550,28 @@ export interface components {
             tiers: number[][];
         };
         /**
+         * ReadyMade
+         * @description A behaviour that comes with a game, to be added as it is or changed.
+         */
+        ReadyMade: {
+            /** Description */
+            description: string;
+            /** Measures */
+            measures: components["schemas"]["Measure"][];
+            /** Name */
+            name: string;
+            /** Ordered */
+            ordered: boolean;
+            settings: components["schemas"]["Settings"];
+            /** Slug */
+            slug: string;
+            /** Target */
+            target: [
+                number,
+                number
+            ][] | null;
+        };
+        /**
          * Recipe
          * @description A learning recipe; ``values`` are its hyperparameters, ``stages`` the stages of its runs.
          *
@@ -2478,10 +2615,12 @@ export interface components {
          *     if unknown. ``parent`` is the recording that this one continues; ``begun_by`` tells the policy
          *     that the player took the game over from.
          *
+         *     ``measured`` are the values of the behaviour's measures, in their order.
+         *
          *     ``borrowed`` tells a recording of another behaviour, called ``behaviour_name``, or of a
          *     training's policy, that the behaviour in question has borrowed for its ranking: ``targets``,
-         *     ``strays``, ``order_errors`` and ``ranked`` are by the borrower's target and ranking, and it is
-         *     never ``perfect`` there.
+         *     ``strays``, ``order_errors``, ``measured`` and ``ranked`` are by the borrower's target, measures
+         *     and ranking, and it is never ``perfect`` there.
          */
         Recording: {
             begun_by: components["schemas"]["BegunBy"] | null;
@@ -2517,6 +2656,8 @@ export interface components {
             /** Id */
             id: number;
             latency: components["schemas"]["Latency"] | null;
+            /** Measured */
+            measured: components["schemas"]["MeasuredValue"][];
             /** N Frames */
             n_frames: number;
             /** N Steps */
@@ -2853,6 +2994,8 @@ export interface components {
             games: components["schemas"]["EvaluationGame"][];
             /** Judged */
             judged: components["schemas"]["JudgedGames"][];
+            /** Measures */
+            measures: components["schemas"]["MeasureRow"][];
             /** Percentiles */
             percentiles: components["schemas"]["RewardState"][];
             /** Proposed */
@@ -2991,8 +3134,9 @@ export interface components {
          *
          *     ``held`` are the buttons of each action, as bits in the order of ``buttons``. ``default_keys``
          *     are buttons by ``KeyboardEvent.code``. ``hidden`` are areas that learning does not see: left,
-         *     top, right, bottom. ``options`` are values of the start by name, the first the default. What a
-         *     game lacks is null or false.
+         *     top, right, bottom. ``options`` are values of the start by name, the first the default.
+         *     ``things`` are those whose place is known, ``tallies`` what is counted when a game is measured,
+         *     each by name with its title. What a game lacks is null, empty or false.
          */
         TaughtGame: {
             /** Actions */
@@ -3047,8 +3191,18 @@ export interface components {
             picture_url: string;
             /** Pixel Aspect */
             pixel_aspect: number;
+            /** Ready Made */
+            ready_made: components["schemas"]["ReadyMade"][];
             /** Saves States */
             saves_states: boolean;
+            /** Tallies */
+            tallies: {
+                [key: string]: string;
+            };
+            /** Things */
+            things: {
+                [key: string]: string;
+            };
             /** Title */
             title: string;
             /** Waits */
@@ -3084,6 +3238,12 @@ export interface components {
             /** Steps */
             steps: number;
         };
+        /**
+         * Unit
+         * @description What a value is counted in.
+         * @enum {string}
+         */
+        Unit: "items" | "share" | "per_second" | "points" | "yes" | "seconds" | "count";
         /**
          * VariedGamesWish
          * @description How many varied games are to be added; at most half of them are borrowed.

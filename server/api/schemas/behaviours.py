@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
 from pydantic import Field, StrictBool
 
 from server.api.schemas.base import MAX_CELLS, Cell, Schema
+from server.api.schemas.measures import Measure, Measures, Pixel
 from tril.games import DEFAULT_GAME
 from tril.store.models import Source
 from tril.text import Line, Lines
-
-Pixel = Annotated[int, Field(strict=True, ge=0, le=4096)]
 
 
 class Settings(Schema):
@@ -36,6 +33,7 @@ class Behaviour(Schema):
     description: str
     game: str
     settings: Settings
+    measures: list[Measure]
     target: list[Cell] | None
     ordered: bool
     built_in: bool
@@ -51,6 +49,7 @@ class BehaviourNew(Schema):
 
     game: str = Field(default=DEFAULT_GAME, min_length=1, max_length=160)
     settings: Settings = Settings()
+    measures: Measures = Field(default=[])
 
     name: Line = Field(min_length=1, max_length=120)
     description: Lines = Field(default="", max_length=2000)
@@ -66,6 +65,7 @@ class BehaviourUpdate(Schema):
     target: list[Cell] | None = Field(default=None, max_length=MAX_CELLS)
     ordered: StrictBool | None = None
     settings: Settings | None = None
+    measures: Measures | None = None
 
 
 class PlannedDemonstration(Schema):

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from datetime import datetime
 
-from server.api.schemas.base import Schema
+from server.api.schemas.base import Cell, Schema
+from server.api.schemas.behaviours import Settings
+from server.api.schemas.measures import Measure
 
 
 class Title(Schema):
@@ -46,13 +48,26 @@ class Items(Schema):
     row_colours: list[str]
 
 
+class ReadyMade(Schema):
+    """A behaviour that comes with a game, to be added as it is or changed."""
+
+    slug: str
+    name: str
+    description: str
+    target: list[Cell] | None
+    ordered: bool
+    settings: Settings
+    measures: list[Measure]
+
+
 class TaughtGame(Schema):
     """All that the page needs of a game.
 
     ``held`` are the buttons of each action, as bits in the order of ``buttons``. ``default_keys``
     are buttons by ``KeyboardEvent.code``. ``hidden`` are areas that learning does not see: left,
-    top, right, bottom. ``options`` are values of the start by name, the first the default. What a
-    game lacks is null or false.
+    top, right, bottom. ``options`` are values of the start by name, the first the default.
+    ``things`` are those whose place is known, ``tallies`` what is counted when a game is measured,
+    each by name with its title. What a game lacks is null, empty or false.
     """
 
     name: str
@@ -76,6 +91,9 @@ class TaughtGame(Schema):
     hidden: list[tuple[int, int, int, int]]
     items: Items | None
     counters: dict[str, str]
+    things: dict[str, str]
+    tallies: dict[str, str]
+    ready_made: list[ReadyMade]
     saves_states: bool
     has_memory: bool
     has_player: bool

@@ -10,7 +10,8 @@ class LibraryColumns(Schema):
     """Recordings in brief, newest first: each list has the values of one field.
 
     The fields are those of ``Recording``; ``parent_id`` and ``parent_frame`` are of its ``parent``,
-    ``n_hits`` is the number of its ``hits``. ``counters`` has a list for each of the game's.
+    ``n_hits`` is the number of its ``hits``. ``counters`` has a list for each of the game's,
+    ``measured`` one of values for each of the behaviour's measures.
     """
 
     id: list[int]
@@ -30,6 +31,7 @@ class LibraryColumns(Schema):
     order_errors: list[int | None]
     counters: dict[str, list[int]]
     score: list[float | None]
+    measured: list[list[float | None]]
     perfect: list[bool]
     deleted: list[bool]
 

@@ -8,6 +8,7 @@ from typing import Any, Literal
 from pydantic import Field, StrictBool
 
 from server.api.schemas.base import Column, Id, Row, Schema
+from server.api.schemas.measures import MeasuredValue
 from tril.analysis.summary import Policy
 from tril.store.models import RecordingState, Source, Verification
 from tril.store.training.evaluations import ActionSelection
@@ -62,10 +63,12 @@ class Recording(Schema):
     if unknown. ``parent`` is the recording that this one continues; ``begun_by`` tells the policy
     that the player took the game over from.
 
+    ``measured`` are the values of the behaviour's measures, in their order.
+
     ``borrowed`` tells a recording of another behaviour, called ``behaviour_name``, or of a
     training's policy, that the behaviour in question has borrowed for its ranking: ``targets``,
-    ``strays``, ``order_errors`` and ``ranked`` are by the borrower's target and ranking, and it is
-    never ``perfect`` there.
+    ``strays``, ``order_errors``, ``measured`` and ``ranked`` are by the borrower's target, measures
+    and ranking, and it is never ``perfect`` there.
     """
 
     id: int
@@ -91,6 +94,7 @@ class Recording(Schema):
     order_errors: int | None
     counters: dict[str, int]
     score: float | None
+    measured: list[MeasuredValue]
     latency: Latency | None
     slowest_percent: int | None
     single_steps: int | None

@@ -9,6 +9,7 @@ from uuid import UUID
 from pydantic import Field, StrictBool
 
 from server.api.schemas.base import Id, Schema
+from server.api.schemas.measures import MeasureRow
 from server.api.schemas.recordings import Recording
 from tril.analysis.extrapolation import JudgedGame, Measure, PlayerKind
 from tril.analysis.outcome import AttentionDetails, CheckVerdict, Headline, RewardState
@@ -266,6 +267,7 @@ class RunResults(Schema):
     proposed: list[int]
     training_games: TrainingGames | None
     summaries: list[PolicyGamesSummary]
+    measures: list[MeasureRow]
     best_demonstration: Recording | None
     alarm: RewardAlarm | None
     judged: list[JudgedGames]

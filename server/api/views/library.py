@@ -61,6 +61,10 @@ def library_view(
                 name: [entry.counters.get(name, 0) for entry in entries] for name in game.counters
             },
             score=[entry.score for entry in entries],
+            measured=[
+                [entry.measured.get(measure.key) for entry in entries]
+                for measure in target.measures
+            ],
             perfect=[knows_all and not borrowed and entry.perfect for entry in entries],
             deleted=[entry.deleted_at is not None for entry in entries],
         ),

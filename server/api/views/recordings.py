@@ -6,12 +6,14 @@ from collections.abc import Iterable
 
 from sqlalchemy.orm import Session
 
+from server.api.schemas.measures import MeasuredValue
 from server.api.schemas.recordings import BegunBy, Branch, Hit, Recording
 from server.play.conditions import PlayConditions
 from server.replay_cache import version_of
 from server.web.permissions import for_reader
 from tril.games import game_named
 from tril.games.behaviours import Behaviour, score
+from tril.games.measuring import measured_before
 from tril.store import behaviours, players, rankings
 from tril.store.access.credentials import Identity
 from tril.store.models import BehaviourRow, RecordingRow
@@ -94,6 +96,10 @@ class RecordingViews:
             targets=None if found is None else found.targets,
             strays=None if found is None else found.strays,
             order_errors=None if found is None else found.order_errors,
+            measured=[
+                MeasuredValue.of_measured(one)
+                for one in measured_before(behaviour.measures, row.measured)
+            ],
             latency=None if conditions is None else conditions.latency(played),
             slowest_percent=None if conditions is None else conditions.slowest_percent(played),
             single_steps=None if conditions is None else len(conditions.single_steps),

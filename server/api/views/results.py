@@ -7,6 +7,7 @@ from collections.abc import Iterable
 
 from sqlalchemy.orm import Session
 
+from server.api.schemas.measures import Measure, MeasureMean, MeasureRow
 from server.api.schemas.recordings import Recording
 from server.api.schemas.runs import (
     Artifact,
@@ -33,10 +34,18 @@ from tril.analysis.outcome import (
     RewardState,
 )
 from tril.analysis.summary import winner
+from tril.games.measuring import Measured, mean_of, measured_before
 from tril.recipes import recipe_from_dict
 from tril.store import behaviours, recordings
 from tril.store.access.credentials import Identity
-from tril.store.models import ArtifactRow, EvaluationRow, RunRow
+from tril.store.models import (
+    ArtifactRow,
+    BehaviourRow,
+    EvaluationRow,
+    RecordingRow,
+    RunRow,
+    Source,
+)
 from tril.store.training import artifacts, evaluations, training_games
 from tril.store.training.alarms import alarm_of
 from tril.store.training.demonstrations import best_demonstration
@@ -74,6 +83,7 @@ def run_results(session: Session, who: Identity, run: RunRow) -> RunResults:
         proposed=[row.recording_id for row in proposed],
         training_games=_training_games(session, run.id, views),
         summaries=_summaries(games, n_targets),
+        measures=_measures(session, run, games, demonstrations.values()),
         best_demonstration=None if best is None else views.one(best),
         alarm=None if alarm is None else RewardAlarm.model_validate(alarm),
         judged=[JudgedGames.model_validate(one) for one in judged_games(session, run, games)],
@@ -159,6 +169,42 @@ def _summaries(games: list[EvaluationRow], n_targets: int | None) -> list[Policy
         PolicyGamesSummary(policy=policy, action_selection=how, summary=summary)
         for (policy, how), summary in evaluations.summaries(games, n_targets).items()
     ]
+
+
+def _measures(
+    session: Session,
+    run: RunRow,
+    games: Iterable[EvaluationRow],
+    demonstrations: Iterable[RecordingRow],
+) -> list[MeasureRow]:
+    """Return the behaviour's measures over the games of imitator, clone and people."""
+    behaviour = behaviours.as_behaviour(session.get_one(BehaviourRow, run.behaviour_id))
+    played: dict[str, list[RecordingRow]] = {
+        policy: [
+            row.recording
+            for row in games
+            if row.held_out and row.policy == policy and row.action_selection == "greedy"
+        ]
+        for policy in evaluations.POLICIES
+    }
+    played["person"] = [row for row in demonstrations if row.source == Source.PERSON]
+    values = {
+        player: [measured_before(behaviour.measures, row.measured) for row in rows]
+        for player, rows in played.items()
+    }
+    return [
+        MeasureRow(
+            measure=Measure.of_measure(measure),
+            unit=measure.unit,
+            **{player: _mean([game[place] for game in found]) for player, found in values.items()},
+        )
+        for place, measure in enumerate(behaviour.measures)
+    ]
+
+
+def _mean(games: list[Measured]) -> MeasureMean | None:
+    mean = mean_of(games)
+    return None if mean is None else MeasureMean.of(mean)
 
 
 def _percentiles(files: list[ArtifactRow]) -> list[RewardState]:

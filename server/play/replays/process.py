@@ -7,7 +7,7 @@ import os
 import pickle
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 
@@ -16,6 +16,7 @@ from server.play.replays.request import (
     AnyRequest,
     Content,
     LoadRequest,
+    MeasureRequest,
     ReplayTask,
     Request,
     VariedPlayRequest,
@@ -23,6 +24,8 @@ from server.play.replays.request import (
 from tril.errors import Unavailable
 from tril.exchange.formats.recording_file import ImportedRecording
 from tril.games.base import Cell
+from tril.games.measures import Measure
+from tril.games.measuring import Values
 from tril.recording import Recording, RecordingRefused, Verified
 
 _LOG = logging.getLogger(__name__)
@@ -85,6 +88,20 @@ class ReplayProcess:
         """
         return self._thread.submit(self._load, LoadRequest(content)).result()
 
+    def measure(self, recording: Recording, measures: Sequence[Measure]) -> Values:
+        """Measure a recording in a replay, in turn with others.
+
+        Args:
+            recording: The recording.
+            measures: What to measure; the game has it.
+
+        Raises:
+            RecordingRefused: The replay differs from what was recorded.
+            Unavailable: It could not be replayed.
+        """
+        request = MeasureRequest(recording, tuple(measures))
+        return self._thread.submit(self._measure, request).result()
+
     def stop(self) -> None:
         """Stop the process after the requests that were submitted."""
         self._thread.shutdown()
@@ -103,6 +120,11 @@ class ReplayProcess:
     def _load(self, request: LoadRequest) -> ImportedRecording:
         content = self._content(request)
         assert isinstance(content, ImportedRecording)
+        return content
+
+    def _measure(self, request: MeasureRequest) -> Values:
+        content = self._content(request)
+        assert isinstance(content, Mapping)
         return content
 
     def _content(self, request: AnyRequest) -> Content:

@@ -18,6 +18,8 @@ from tril.demonstrators.varied import play_varied
 from tril.exchange.formats.recording_file import ImportedRecording, load_recording
 from tril.games import game_named
 from tril.games.base import Cell, Console
+from tril.games.measures import Measure
+from tril.games.measuring import Values
 from tril.play.consoles import Consoles
 from tril.recording import Recording, Verified, verify
 
@@ -71,8 +73,21 @@ class LoadRequest:
     content: object
 
 
-AnyRequest = Request | VariedPlayRequest | LoadRequest
-Content = bytes | Verified | ImportedRecording
+@dataclass(frozen=True)
+class MeasureRequest:
+    """A request to measure a recording in a replay.
+
+    Attributes:
+        recording: The recording.
+        measures: What to measure.
+    """
+
+    recording: Recording
+    measures: tuple[Measure, ...]
+
+
+AnyRequest = Request | VariedPlayRequest | LoadRequest | MeasureRequest
+Content = bytes | Verified | ImportedRecording | Values
 
 
 @dataclass(frozen=True)
@@ -80,7 +95,8 @@ class Answer:
     """The answer to a request.
 
     Attributes:
-        content: The product, empty for a check; or the game that was played, or loaded.
+        content: The product, empty for a check; or the game that was played, or loaded; or values
+            of measures.
         refusal: Why the recording does not replay; None if it does.
         failure: A traceback, if something else went wrong.
     """
@@ -101,6 +117,8 @@ _PRODUCTS: Mapping[ReplayTask, Callable[[Recording, Console], bytes]] = {
 def execute(request: AnyRequest, consoles: Consoles) -> Content:
     """Replay a recording and return the product, nothing for a passed check; or play or load one.
 
+    Values are returned for a request to measure.
+
     Raises:
         RecordingRefused: The replay differs from what was recorded.
     """
@@ -111,6 +129,8 @@ def execute(request: AnyRequest, consoles: Consoles) -> Content:
     if isinstance(request, LoadRequest):
         return load_recording(request.content, consoles)
     console = consoles.of(request.recording.game)
+    if isinstance(request, MeasureRequest):
+        return verify(request.recording, None, console, request.measures).replay.measured
     if request.task is ReplayTask.CHECK:
         verify(request.recording, request.taken, console)
         return b""

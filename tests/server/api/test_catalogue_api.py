@@ -32,7 +32,22 @@ def test_a_game_says_all_that_its_page_needs(client: TestClient) -> None:
     assert pong["pixel_aspect"] == pytest.approx(12 / 7)
     assert pong["items"] is None
     assert pong["has_player"] is False
+    assert pong["things"]["ball"] == "ball"
+    slugs = [behaviour["slug"] for behaviour in pong["ready_made"]]
+    assert slugs == ["stay-up", "level-with-the-ball"]
     assert client.get("/api/catalogue/games/chess").status_code == 404
+
+
+def test_a_ready_made_behaviour_is_added_as_it_is_offered(client: TestClient) -> None:
+    seaquest = client.get("/api/catalogue/games/seaquest").json()
+    assert seaquest["tallies"] == {"divers": "divers picked up"}
+    offered = next(one for one in seaquest["ready_made"] if one["slug"] == "rescue-divers")
+    slug = offered.pop("slug")
+    created = client.post("/api/behaviours", json=offered | {"game": "seaquest"})
+    assert created.status_code == 201
+    shown = created.json()
+    assert (shown["slug"], shown["built_in"]) == (slug, False)
+    assert {name: shown[name] for name in offered} == offered
 
 
 @pytest.mark.parametrize("name", ["pong", "space_invaders"])

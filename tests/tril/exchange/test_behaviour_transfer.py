@@ -16,6 +16,7 @@ from tril.errors import NameTaken
 from tril.exchange.behaviour_transfer import export_behaviour, import_behaviour
 from tril.exchange.formats.behaviour_file import BehaviourRefused, behaviour_schema
 from tril.exchange.recording_transfer import export_recordings
+from tril.games.measures import measures_from_json
 from tril.recording import verify
 from tril.store import behaviours, borrowed, players, rankings, recordings
 from tril.store.models import RecordingRow, Source, Verification
@@ -213,6 +214,27 @@ def test_an_empty_built_in_behaviour_is_filled(origin: Workplace, other: Workpla
     assert (third.slug, third.was_there) == ("of-a-colleague", False)
     with pytest.raises(NameTaken):
         import_behaviour(other.database, content, name="Of a colleague")
+
+
+def test_measures_travel_with_a_behaviour(origin: Workplace, other: Workplace) -> None:
+    measures = [{"kind": "counter", "counter": "shots", "at_most": 12}, {"kind": "alive"}]
+    with origin.database.writing() as session:
+        row = behaviours.by_slug(session, "column-1")
+        behaviours.update(
+            session,
+            row,
+            row.name,
+            row.description,
+            behaviours.as_behaviour(row).target,
+            row.ordered,
+            measures=measures_from_json(measures),
+        )
+    file = exported(origin)
+    assert sorted(one["kind"] for one in file["measures"]) == ["alive", "counter"]
+    result = import_behaviour(other.database, json.dumps(file).encode(), "Again")
+    assert exported(other, result.slug)["measures"] == file["measures"]
+    unknown = file | {"measures": [{"kind": "counter", "counter": "divers"}]}
+    assert "no counter 'divers'" in _refused(other, json.dumps(unknown).encode())
 
 
 def test_unverified_recordings_are_left_out_with_a_notice(origin: Workplace) -> None:

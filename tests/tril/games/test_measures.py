@@ -263,8 +263,8 @@ def test_an_item_that_a_game_lacks_cannot_be_measured() -> None:
 def test_a_behaviour_measures_each_quantity_once_and_not_too_many() -> None:
     with pytest.raises(Invalid, match="measured twice"):
         measures_from_json([{"kind": "score", "at_least": 3}, {"kind": "score"}])
+    many = tuple(Counted(counter=str(n)) for n in range(13))
     with pytest.raises(Invalid, match="at most 12"):
-        lengths = [Counted(counter=str(n)) for n in range(13)]
-        Behaviour("a", "A", "", "pong", measures=tuple(lengths))
+        Behaviour("a", "A", "", "pong", measures=many)
     with pytest.raises(Invalid, match="list of measures"):
         measures_from_json({"kind": "score"})

@@ -19,6 +19,7 @@ from tril.exchange.formats.recording_object import (
     MAX_ITEMS,
     CellArray,
     GameName,
+    MeasuresObject,
     Moment,
     RecordingObject,
     SettingsObject,
@@ -104,6 +105,9 @@ class BehaviourObject(_ClosedModel):
     version: Annotated[Literal[1, 2], BeforeValidator(reject_bool)]
     game: GameName
     settings: SettingsObject = Field(default={}, description="What the behaviour sets of its game.")
+    measures: MeasuresObject = Field(
+        default=[], description="What of a game tells in numbers how well it shows the behaviour."
+    )
     slug: str = Field(min_length=1, max_length=80, pattern="^[a-z0-9-]+$")
     name: Line = Field(min_length=1, max_length=120)
     description: str = Field(default="", max_length=2000)

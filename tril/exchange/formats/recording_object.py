@@ -18,6 +18,7 @@ from pydantic import (
     model_validator,
 )
 
+from tril.games.measures import MAX_MEASURES
 from tril.recording import RecordingRefused
 from tril.text import TextRefused, clean_line, clean_lines
 
@@ -42,6 +43,9 @@ CellArray = Annotated[
 MAX_GAME_NAME_LENGTH = 160
 GameName = Annotated[str, Field(min_length=1, max_length=MAX_GAME_NAME_LENGTH)]
 SettingsObject = Annotated[dict[str, Any], Field(max_length=8)]
+MeasuresObject = Annotated[
+    list[Annotated[dict[str, Any], Field(max_length=16)]], Field(max_length=MAX_MEASURES)
+]
 
 
 def _in_utc(moment: datetime) -> datetime:

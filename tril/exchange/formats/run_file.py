@@ -21,6 +21,7 @@ from tril.exchange.formats.recording_object import (
     MAX_ITEMS,
     CellArray,
     GameName,
+    MeasuresObject,
     Moment,
     SettingsObject,
     describe_errors,
@@ -63,6 +64,7 @@ class TaughtBehaviour(_ClosedModel):
     target: list[CellArray] | None = Field(min_length=1, max_length=MAX_ITEMS)
     ordered: bool
     settings: SettingsObject = {}
+    measures: MeasuresObject = []
 
 
 class PlayedGame(_ClosedModel):

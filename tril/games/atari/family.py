@@ -14,6 +14,7 @@ from tril.games.atari.console import AtariConsole, Intro
 from tril.games.atari.joystick import joystick
 from tril.games.atari.palette import PIXEL_ASPECT, palette_grayscale, palette_rgb
 from tril.games.atari.readout import ENDS, LIFE, OVER, AtariReadout
+from tril.games.atari.ready_made import READY_MADE
 from tril.games.atari.starts import AtariStarts, Legs
 from tril.games.base import Clock, Game, GameFamily, Rectangle, ScreenSpec, StartCache
 from tril.games.things import Tally, thing_from_json
@@ -87,6 +88,7 @@ def _game(entry: Entry) -> Game:
         new_console=console,
         new_readout=AtariReadout,
         things={name: thing_from_json(thing) for name, thing in known.get("things", {}).items()},
+        behaviours=READY_MADE.get(entry.rom, ()),
         tallies={name: Tally(**tally) for name, tally in known.get("tallies", {}).items()},
     )
 

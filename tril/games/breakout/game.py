@@ -7,6 +7,7 @@ from dataclasses import replace
 from tril.errors import Invalid
 from tril.games.atari.family import ATARI
 from tril.games.base import Game, ItemGrid
+from tril.games.breakout.behaviours import READY_MADE
 from tril.games.breakout.readout import ENDS, BreakoutReadout
 from tril.games.breakout.wall import COLUMNS, ROWS
 from tril.games.things import Absence, Axis, Thing
@@ -43,6 +44,7 @@ def _breakout() -> Game:
         new_readout=BreakoutReadout,
         items=ItemGrid(ROWS, COLUMNS, "brick", "bricks", "break", _COLOURS),
         things=THINGS,
+        behaviours=READY_MADE,
         memory_names=MEMORY_NAMES,
     )
 

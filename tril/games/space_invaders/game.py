@@ -20,6 +20,7 @@ from tril.games.base import (
 from tril.games.space_invaders import memory as facts
 from tril.games.space_invaders.behaviours import BUILT_IN
 from tril.games.space_invaders.cannon_track import cannon_track
+from tril.games.space_invaders.crowdplay import CROWDPLAY
 from tril.games.space_invaders.ends import END_RULES, ENDS
 from tril.games.space_invaders.memory import Action
 from tril.games.space_invaders.readout import MARKS_BYTES, SpaceInvadersReadout
@@ -102,5 +103,5 @@ SPACE_INVADERS = Game(
     memory_names=facts.RAM_NAMES,
     ghost=cannon_track,
     pretrained=True,
-    behaviours=BUILT_IN,
+    behaviours=(*BUILT_IN, *CROWDPLAY),
 )

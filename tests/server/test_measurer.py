@@ -1,0 +1,88 @@
+"""Recordings are measured in the background, as soon as their behaviour asks for something."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from starlette.testclient import TestClient
+
+from testsupport.waiting import wait_until
+from testsupport.workplace import Workplace
+
+CANNON_LEFT = {"kind": "region", "thing": "cannon", "area": [0, 0, 78, 210], "at_least": 0.9}
+SHOTS = {"kind": "counter", "counter": "shots", "at_most": 1}
+
+
+def ask_for(client: TestClient, workplace: Workplace, *measures: dict[str, Any]) -> None:
+    answer = client.patch(
+        f"/api/behaviours/{workplace.behaviour_id}", json={"measures": list(measures)}
+    )
+    assert answer.status_code == 200, answer.text
+    shown = answer.json()["measures"]
+    set_members = [
+        {name: value for name, value in one.items() if value is not None} for one in shown
+    ]
+    assert set_members == list(measures)
+
+
+def listed(client: TestClient, workplace: Workplace) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = client.get(
+        f"/api/behaviours/{workplace.behaviour_id}/recordings"
+    ).json()
+    return found
+
+
+def known(client: TestClient, workplace: Workplace) -> bool:
+    games = listed(client, workplace)
+    return all(one["known"] for game in games for one in game["measured"])
+
+
+def test_recordings_are_measured_once_their_behaviour_asks_for_something(
+    client: TestClient, workplace: Workplace
+) -> None:
+    ask_for(client, workplace, CANNON_LEFT, SHOTS)
+    wait_until(lambda: known(client, workplace))
+    games = listed(client, workplace)
+    assert len(games) == len(workplace.ranked)
+    for game in games:
+        left, shots = game["measured"]
+        assert (left["unit"], shots["unit"]) == ("share", "count")
+        assert left["met"] is (left["value"] >= 0.9)
+        assert shots["value"] == game["counters"]["shots"]
+        assert shots["met"] is (shots["value"] <= 1)
+    library = client.get(f"/api/behaviours/{workplace.behaviour_id}/library").json()
+    columns = library["recordings"]["measured"]
+    assert columns == [[game["measured"][place]["value"] for game in games] for place in (0, 1)]
+
+
+def test_another_bound_is_judged_at_once_and_another_measure_is_measured(
+    client: TestClient, workplace: Workplace
+) -> None:
+    ask_for(client, workplace, SHOTS)
+    wait_until(lambda: known(client, workplace))
+    ask_for(client, workplace, {"kind": "counter", "counter": "shots", "at_least": 1000})
+    assert all(game["measured"][0]["met"] is False for game in listed(client, workplace))
+    ask_for(client, workplace, {"kind": "length", "at_least": 3})
+    wait_until(lambda: known(client, workplace))
+    assert {game["measured"][0]["value"] for game in listed(client, workplace)} == {4.0}
+    ask_for(client, workplace)
+    assert all(game["measured"] == [] for game in listed(client, workplace))
+
+
+@pytest.mark.parametrize(
+    ("measure", "message"),
+    [
+        ({"kind": "region", "thing": "ball", "area": [0, 0, 9, 9]}, "it has cannon, missile"),
+        ({"kind": "region", "thing": "cannon"}, "needs area, thing"),
+        ({"kind": "score", "thing": "cannon"}, "but no 'thing'"),
+        ({"kind": "alive", "at_least": 1}, "no bounds"),
+    ],
+)
+def test_a_measure_that_makes_no_sense_is_refused_with_what_does(
+    client: TestClient, workplace: Workplace, measure: dict[str, Any], message: str
+) -> None:
+    url = f"/api/behaviours/{workplace.behaviour_id}"
+    answer = client.patch(url, json={"measures": [measure]})
+    assert answer.status_code == 422
+    assert message in answer.text
