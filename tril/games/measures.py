@@ -20,6 +20,10 @@ MAX_MEASURES = 12
 """Most measures of a behaviour."""
 MAX_CELLS = 1024
 """Most items that a measure may name."""
+MAX_SEQUENCES = 8
+"""Most sequences of an order."""
+MAX_GROUPS = 24
+"""Most groups of a sequence."""
 MAX_DISTANCE_PX = 1000
 
 Cells = tuple[tuple[int, int], ...]
@@ -164,6 +168,10 @@ class ItemsInOrder(Measure):
         except TypeError:
             raise Invalid("Expected sequences of groups of items [row, column].") from None
         cells = [cell for groups in sequences for group in groups for cell in group]
+        if len(sequences) > MAX_SEQUENCES:
+            raise Invalid(f"Expected at most {MAX_SEQUENCES} sequences, got {len(sequences)}.")
+        if (longest := max(map(len, sequences), default=0)) > MAX_GROUPS:
+            raise Invalid(f"Expected at most {MAX_GROUPS} groups in a sequence, got {longest}.")
         if not cells or len(cells) > MAX_CELLS:
             raise Invalid(f"Expected an order of 1 to {MAX_CELLS} items, got {len(cells)}.")
         if len(set(cells)) != len(cells):

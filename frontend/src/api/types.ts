@@ -23,6 +23,12 @@ export type JudgedGames = Schemas["JudgedGames"];
 export type KeyNew = Schemas["KeyNew"];
 export type Library = Schemas["Library"];
 export type LibraryColumns = Schemas["LibraryColumns"];
+export type Measure = BehaviourNew["measures"] extends readonly (infer One)[] | undefined
+  ? One
+  : never;
+export type MeasuredValue = Schemas["MeasuredValue"];
+export type MeasureMean = Schemas["MeasureMean"];
+export type MeasureRow = Schemas["MeasureRow"];
 export type Metrics = Schemas["Metrics"];
 export type NewInvitation = Schemas["NewInvitation"];
 export type NewKey = Schemas["NewKey"];
@@ -35,6 +41,7 @@ export type RankingCheck = Schemas["RankingCheck"];
 /** What a reward model infers to be wanted: a label for each item of the grid. */
 export type WantedItems = NonNullable<Schemas["RankingCheck"]["wanted"]>;
 export type RankingOpinion = Schemas["RankingOpinion"];
+export type ReadyMade = Schemas["ReadyMade"];
 export type Recipe = Schemas["Recipe"];
 export type Recording = Schemas["Recording"];
 /** A recording in brief: what lists count, filter and sort by. */

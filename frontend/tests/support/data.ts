@@ -18,6 +18,7 @@ export function behaviour(change: Partial<Behaviour> = {}): Behaviour {
     description: "Shoot the leftmost column.",
     game: "space_invaders",
     settings: { options: {} },
+    measures: [],
     target: [
       [0, 0],
       [1, 0],
@@ -59,6 +60,7 @@ export function recording(change: Partial<Recording> = {}): Recording {
     order_errors: null,
     counters: { shots: 4 },
     score: 60,
+    measured: [],
     latency: null,
     slowest_percent: null,
     single_steps: null,
@@ -175,6 +177,7 @@ export function results(one: Run, change: Partial<RunResults> = {}): RunResults 
     proposed: [],
     training_games: null,
     summaries: [],
+    measures: [],
     best_demonstration: null,
     alarm: null,
     judged: [],

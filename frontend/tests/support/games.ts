@@ -47,6 +47,9 @@ export const SPACE_INVADERS: TaughtGame = {
     row_colours: [],
   },
   counters: { shots: "missiles fired" },
+  things: { cannon: "cannon", missile: "missile" },
+  tallies: {},
+  ready_made: [],
   saves_states: true,
   has_memory: true,
   has_player: true,
@@ -72,6 +75,7 @@ export const PONG: TaughtGame = {
   hidden: [[0, 0, 160, 24]],
   items: null,
   counters: {},
+  things: { player: "green paddle", opponent: "orange paddle", ball: "ball" },
   has_player: false,
 };
 

@@ -31,6 +31,7 @@ export function libraryOf(list: readonly Row[], change: Partial<Library> = {}): 
       order_errors: column(({ order_errors }) => order_errors),
       counters: { shots: column(({ counters }) => counters.shots ?? 0) },
       score: column(({ score }) => score),
+      measured: [],
       perfect: column(({ perfect }) => perfect),
       deleted: column(({ deleted }) => deleted),
     },

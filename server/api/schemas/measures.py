@@ -6,9 +6,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field
 
-from server.api.schemas.base import Cell, Schema
+from server.api.schemas.base import MAX_CELLS, Cell, Schema
 from tril.games import measures
-from tril.games.measures import MAX_CELLS, MAX_MEASURES, Axes, Per, Unit
+from tril.games.measures import MAX_GROUPS, MAX_MEASURES, MAX_SEQUENCES, Axes, Per, Unit
 from tril.games.measuring import Measured
 
 Pixel = Annotated[int, Field(strict=True, ge=0, le=4096)]
@@ -30,7 +30,9 @@ class Measure(Schema):
     at_least: Bound | None = None
     at_most: Bound | None = None
     cells: Cells | None = None
-    sequences: list[list[Cells]] | None = Field(default=None, max_length=MAX_CELLS)
+    sequences: list[Annotated[list[Cells], Field(max_length=MAX_GROUPS)]] | None = Field(
+        default=None, max_length=MAX_SEQUENCES
+    )
     thing: Name | None = None
     other: Name | None = None
     area: tuple[Pixel, Pixel, Pixel, Pixel] | None = None

@@ -229,6 +229,8 @@ def test_what_is_not_stored_is_not_known() -> None:
         ({"kind": "order", "sequences": 3}, "sequences of groups"),
         ({"kind": "order", "sequences": [[[[0, 0]], [[0, 0]]]]}, "twice"),
         ({"kind": "order", "sequences": []}, "1 to 1024"),
+        ({"kind": "order", "sequences": [[[[0, n]]] for n in range(9)]}, "at most 8 sequences"),
+        ({"kind": "order", "sequences": [[[[0, n]] for n in range(25)]]}, "at most 24 groups"),
         ({"kind": "nearness", "thing": "a", "other": "a", "distance_px": 3}, "different things"),
         ({"kind": "nearness", "thing": "a", "other": "b", "distance_px": -1}, "0 to 1000"),
         ({"kind": "nearness", "thing": "a", "other": "b"}, "needs"),

@@ -9,6 +9,7 @@ import type { Behaviour, BehaviourNew, TaughtGame } from "@/api/types";
 import type { Draft } from "@/components/controls/drafts";
 import { Checkbox, Field } from "@/components/controls/Field";
 import { FormDialog } from "@/components/controls/FormDialog";
+import { GameProvider } from "@/games/game";
 import { wordsOf } from "@/games/words";
 
 import styles from "./BehaviourDialog.module.css";
@@ -20,7 +21,10 @@ import {
   secondsProblem,
 } from "./draft";
 import { HowPlayed } from "./HowPlayed";
+import { MeasureBuilder } from "./measures/MeasureBuilder";
 import { ItemPicker } from "./target/ItemPicker";
+
+const NO_SETTINGS = { options: {} };
 
 interface BehaviourDialogProps {
   title: string;
@@ -111,8 +115,8 @@ export function BehaviourDialog(props: BehaviourDialogProps) {
           value={value.game}
           onChange={(name) => {
             // What was set of another game means nothing in this one.
-            const { seconds, endRule, options, hasTarget, target, hidden } = EMPTY_DRAFT;
-            set({ game: name, seconds, endRule, options, hasTarget, target, hidden });
+            const { seconds, endRule, options, hasTarget, target, hidden, measures } = EMPTY_DRAFT;
+            set({ game: name, seconds, endRule, options, hasTarget, target, hidden, measures });
           }}
         />
       )}
@@ -123,6 +127,11 @@ export function BehaviourDialog(props: BehaviourDialogProps) {
             <Target game={game} value={value} noTarget={noTarget} onChange={set} />
           </>
         ))}
+      {game && (
+        <GameProvider game={game} settings={NO_SETTINGS}>
+          <MeasureBuilder value={value.measures} onChange={(measures) => set({ measures })} />
+        </GameProvider>
+      )}
     </FormDialog>
   );
 }

@@ -67,7 +67,7 @@ function EditDialog({ behaviour, onClose, onCopy }: EditDialogProps) {
         behaviour.id,
         fixed === null
           ? withoutGame(change)
-          : { name: change.name, description: change.description },
+          : { name: change.name, description: change.description, measures: change.measures },
       ),
     onSuccess: async () => {
       draft.drop();
@@ -116,8 +116,8 @@ function EditDialog({ behaviour, onClose, onCopy }: EditDialogProps) {
 
 /** What changes of a behaviour, which stays one of its game. */
 function withoutGame(change: BehaviourNew): BehaviourUpdate {
-  const { name, description, target = null, ordered, settings } = change;
-  return { name, description, target, ordered, settings };
+  const { name, description, target = null, ordered, settings, measures } = change;
+  return { name, description, target, ordered, settings, measures };
 }
 
 /** Deletes a behaviour; its toast restores it. */

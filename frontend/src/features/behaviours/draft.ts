@@ -2,7 +2,7 @@
 
 import { t } from "@lingui/core/macro";
 
-import type { Behaviour, BehaviourNew, TaughtGame } from "@/api/types";
+import type { Behaviour, BehaviourNew, Measure, ReadyMade, TaughtGame } from "@/api/types";
 import { measured, whole } from "@/lib/format";
 import type { Cell } from "@/lib/game/items";
 
@@ -19,6 +19,7 @@ export interface BehaviourDraft {
   readonly endRule: string | null;
   readonly options: Readonly<Record<string, number>>;
   readonly hidden: Behaviour["settings"]["hidden"] | null;
+  readonly measures: readonly Measure[];
 }
 
 /** The game that behaviours are of unless another one is chosen. */
@@ -35,15 +36,18 @@ export const EMPTY_DRAFT: BehaviourDraft = {
   endRule: null,
   options: {},
   hidden: null,
+  measures: [],
 };
 
-/** The form of an existing behaviour. */
-export function draftOf(behaviour: Behaviour, game: TaughtGame): BehaviourDraft {
+type Described = Omit<ReadyMade, "slug">;
+
+/** The form of a behaviour that exists, or that comes with a game. */
+export function draftOf(behaviour: Described, game: TaughtGame): BehaviourDraft {
   const { name, description, target, ordered, settings } = behaviour;
   const cells = (target ?? []).map(([row, column]) => [row, column] as const);
   const steps = settings.max_steps ?? null;
   return {
-    game: behaviour.game,
+    game: game.name,
     name,
     description,
     hasTarget: target !== null,
@@ -53,6 +57,7 @@ export function draftOf(behaviour: Behaviour, game: TaughtGame): BehaviourDraft 
     endRule: settings.end_rule ?? null,
     options: settings.options,
     hidden: settings.hidden ?? null,
+    measures: behaviour.measures,
   };
 }
 
@@ -101,6 +106,7 @@ export function behaviourOf(draft: BehaviourDraft, game: TaughtGame): BehaviourN
       options: draft.options,
       hidden: draft.hidden ?? null,
     },
+    measures: [...draft.measures],
   };
 }
 

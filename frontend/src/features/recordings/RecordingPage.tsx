@@ -8,6 +8,7 @@ import { courseQuery, framesQuery } from "@/api/recordings";
 import type { Behaviour, Recording, RecordingCourse, TaughtGame } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Failed, Loading, Notice } from "@/components/feedback/States";
+import { MeasureChecklist } from "@/components/measures/MeasureChecklist";
 import { PageTitle } from "@/components/PageTitle";
 import { KeepOrDiscard } from "@/components/recording/KeepOrDiscard";
 import { RecordingPlayer } from "@/components/recording/RecordingPlayer";
@@ -187,6 +188,7 @@ function Facts({ recording, behaviour }: { recording: Recording; behaviour: Beha
       </p>
       <p>{describeCourse(recording, game)}</p>
       <ColumnBars counts={recording.hits_per_column} target={behaviour.target} />
+      <MeasureChecklist recording={recording} behaviour={behaviour} />
       <p className={styles.badges}>
         <SourceBadge recording={recording} />
         <VerifiedBadge recording={recording} />

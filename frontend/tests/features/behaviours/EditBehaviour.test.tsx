@@ -45,6 +45,7 @@ describe("editing a behaviour", () => {
       ],
       ordered: false,
       settings: { max_steps: null, end_rule: null, options: {}, hidden: null },
+      measures: [],
     });
   });
 

@@ -125,6 +125,7 @@ describe("the page of a game", () => {
       target: null,
       ordered: false,
       settings: { max_steps: 450, end_rule: "over", options: { difficulty: 2 }, hidden: null },
+      measures: [],
     });
   });
 

@@ -7,14 +7,15 @@ import { Link } from "react-router";
 import { behavioursQuery } from "@/api/behaviours";
 import { gameQuery } from "@/games/catalogue";
 import { isNotFound } from "@/api/client";
-import type { TaughtGame } from "@/api/types";
+import type { Behaviour, ReadyMade, TaughtGame } from "@/api/types";
 import { Button, ButtonLink } from "@/components/controls/Button";
 import { Empty, Failed, Loading } from "@/components/feedback/States";
 import { PageTitle } from "@/components/PageTitle";
 import { useOnlyPlays } from "@/components/people/use-only-plays";
-import { EMPTY_DRAFT } from "@/features/behaviours/draft";
+import { type BehaviourDraft, draftOf, EMPTY_DRAFT } from "@/features/behaviours/draft";
 import { NewBehaviourDialog } from "@/features/behaviours/NewBehaviourDialog";
 import { buttonName } from "@/games/actions";
+import { measureSentence } from "@/games/measures";
 
 import styles from "./GamesPage.module.css";
 
@@ -23,7 +24,7 @@ export function GamePage({ name }: { name: string }) {
   const { data: game, error, refetch } = useQuery(gameQuery(name));
   const { data: behaviours } = useQuery(behavioursQuery);
   const onlyPlays = useOnlyPlays();
-  const [making, setMaking] = useState(false);
+  const [making, setMaking] = useState<BehaviourDraft | null>(null);
   if (isNotFound(error)) {
     return (
       <Empty level="h1" title={t`Game not found`} actions={<AllGames />}>
@@ -67,9 +68,20 @@ export function GamePage({ name }: { name: string }) {
             </p>
           )}
           {onlyPlays === false && (
-            <Button kind="primary" icon="plus" onClick={() => setMaking(true)}>
+            <Button
+              kind="primary"
+              icon="plus"
+              onClick={() => setMaking({ ...EMPTY_DRAFT, game: game.name })}
+            >
               <Trans>Teach a behaviour</Trans>
             </Button>
+          )}
+          {onlyPlays === false && (
+            <Offered
+              game={game}
+              own={own}
+              onTake={(offered) => setMaking(draftOf(offered, game))}
+            />
           )}
           <Facts game={game} />
           <AllGames />
@@ -78,11 +90,48 @@ export function GamePage({ name }: { name: string }) {
       {making && (
         <NewBehaviourDialog
           title={t`Teach a behaviour in ${game.title}`}
-          initial={{ ...EMPTY_DRAFT, game: game.name }}
-          onClose={() => setMaking(false)}
+          initial={making}
+          onClose={() => setMaking(null)}
         />
       )}
     </>
+  );
+}
+
+interface OfferedProps {
+  game: TaughtGame;
+  /** The behaviours that are there already. */
+  own: readonly Behaviour[];
+  onTake: (offered: ReadyMade) => void;
+}
+
+/** The behaviours that come with the game, without those that are there. */
+function Offered({ game, own, onTake }: OfferedProps) {
+  const names = new Set(own.map(({ name }) => name));
+  const offered = game.ready_made.filter(({ name }) => !names.has(name));
+  if (offered.length === 0) return null;
+  return (
+    <section className={styles.offered} aria-labelledby="ready-made">
+      <h2 id="ready-made">
+        <Trans>Ready-made</Trans>
+      </h2>
+      <ul>
+        {offered.map((one) => (
+          <li key={one.slug}>
+            <h3>{one.name}</h3>
+            <p>{one.description}</p>
+            <ul className={styles.asked}>
+              {one.measures.map((measure, index) => (
+                <li key={index}>{measureSentence(measure, game)}</li>
+              ))}
+            </ul>
+            <Button icon="plus" aria-label={t`Teach ${one.name}`} onClick={() => onTake(one)}>
+              <Trans>Teach this</Trans>
+            </Button>
+          </li>
+        ))}
+      </ul>
+    </section>
   );
 }
 

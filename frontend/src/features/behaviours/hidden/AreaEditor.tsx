@@ -9,6 +9,8 @@ import styles from "./HiddenAreas.module.css";
 interface AreaEditorProps {
   areas: readonly Area[];
   readOnly: boolean;
+  /** Whether what is in the areas stays visible. */
+  outlined?: boolean;
   onChange: (areas: readonly Area[]) => void;
 }
 
@@ -31,7 +33,7 @@ const KEY_STEPS: Readonly<Record<string, { readonly x: number; readonly y: numbe
  * The picture of the game with the covered areas: drawn, moved and resized by a pointer; moved by
  * the arrow keys, resized with Shift, removed by Delete.
  */
-export function AreaEditor({ areas, readOnly, onChange }: AreaEditorProps) {
+export function AreaEditor({ areas, readOnly, outlined, onChange }: AreaEditorProps) {
   const game = useGame();
   const stage = useRef<HTMLDivElement>(null);
   const drag = useRef<Drag | null>(null);
@@ -87,6 +89,7 @@ export function AreaEditor({ areas, readOnly, onChange }: AreaEditorProps) {
       ref={stage}
       className={styles.stage}
       data-fixed={readOnly || undefined}
+      data-outlined={outlined}
       style={{ aspectRatio: (game.width * game.pixel_aspect) / game.height }}
       onPointerDown={(event) => begin(event, "draw", areas.length)}
       onPointerMove={onMove}

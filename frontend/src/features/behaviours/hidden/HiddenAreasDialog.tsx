@@ -5,13 +5,14 @@ import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { behavioursQuery, updateBehaviour } from "@/api/behaviours";
 import { gameQuery } from "@/games/catalogue";
 import type { Behaviour } from "@/api/types";
-import { Button, IconButton } from "@/components/controls/Button";
+import { Button } from "@/components/controls/Button";
 import { useDraft } from "@/components/controls/drafts";
 import { FormDialog } from "@/components/controls/FormDialog";
 import { useGame } from "@/games/game";
 
-import { type Area, isSame, middle, MOST_AREAS, withEdge } from "./areas";
+import { type Area, isSame, middle, MOST_AREAS } from "./areas";
 import { AreaEditor } from "./AreaEditor";
+import { AreaFields } from "./AreaFields";
 import styles from "./HiddenAreas.module.css";
 
 interface HiddenAreasDialogProps {
@@ -104,45 +105,6 @@ export function HiddenAreasDialog({ behaviour, onClose }: HiddenAreasDialogProps
 }
 
 type Edges = [number, number, number, number];
-
-const edgeNames = () => [t`Left`, t`Top`, t`Right`, t`Bottom`] as const;
-
-interface AreaFieldsProps {
-  number: number;
-  area: Area;
-  readOnly: boolean;
-  onChange: (area: Area) => void;
-  onRemove: () => void;
-}
-
-/** The edges of an area as numbers. */
-function AreaFields({ number, area, readOnly, onChange, onRemove }: AreaFieldsProps) {
-  const screen = useGame();
-  return (
-    <fieldset className={styles.fields}>
-      <legend>
-        <Trans>Area {number}</Trans>
-      </legend>
-      {edgeNames().map((name, edge) => (
-        <label key={name}>
-          <span>{name}</span>
-          <input
-            type="number"
-            readOnly={readOnly}
-            min={0}
-            max={edge % 2 === 0 ? screen.width : screen.height}
-            value={area[edge]}
-            onChange={(event) => {
-              const typed = event.currentTarget.valueAsNumber;
-              if (Number.isInteger(typed)) onChange(withEdge(area, edge, typed, screen));
-            }}
-          />
-        </label>
-      ))}
-      {!readOnly && <IconButton icon="trash" label={t`Remove area ${number}`} onClick={onRemove} />}
-    </fieldset>
-  );
-}
 
 /** Why the areas can't be changed; null if they can. */
 function whyFixed({ built_in, n_runs }: Behaviour): string | null {

@@ -3,6 +3,7 @@ import { Plural, Trans } from "@lingui/react/macro";
 
 import type { Behaviour, PolicyGamesSummary, PolicySummary, RunResults } from "@/api/types";
 
+import { MeasureTable } from "./MeasureTable";
 import styles from "./PolicyResults.module.css";
 import { SummaryTable } from "./SummaryTable";
 
@@ -53,6 +54,7 @@ export function PolicyResults({
           policy takes its most probable action.
         </Trans>
       </p>
+      <MeasureTable rows={results.measures} />
       {otherSelections().map(({ selection, title, note, label }) => {
         const found = both(selection);
         return (
