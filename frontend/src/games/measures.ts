@@ -9,17 +9,14 @@ import { capitalised, wordsOf } from "./words";
 
 export type Unit = MeasuredValue["unit"];
 
-/** Things and counts that games have, by what the server calls them. */
+/** Things and counts of games without a view, by what the server calls them. */
 const titles = (): Readonly<Record<string, string>> => ({
   ball: t`ball`,
   "black boxer": t`black boxer`,
   "blue ghost": t`blue ghost`,
-  cannon: t`cannon`,
   chicken: t`chicken`,
   "divers picked up": t`divers picked up`,
   "green paddle": t`green paddle`,
-  missile: t`missile`,
-  "missiles fired": t`missiles fired`,
   "orange ghost": t`orange ghost`,
   "orange paddle": t`orange paddle`,
   paddle: t`paddle`,
@@ -31,23 +28,21 @@ const titles = (): Readonly<Record<string, string>> => ({
   "white boxer": t`white boxer`,
 });
 
-function translated(title: string): string {
-  return Object.hasOwn(titles(), title) ? (titles()[title] ?? title) : title;
+function translated(title: string, game: TaughtGame): string {
+  const known = { ...titles(), ...wordsOf(game).titles() };
+  return Object.hasOwn(known, title) ? (known[title] ?? title) : title;
 }
 
 /** Names a thing of a game, within a sentence: "ball". */
-export function thingTitle(name: string, { things }: TaughtGame): string {
-  return translated(things[name] ?? name);
+export function thingTitle(name: string, game: TaughtGame): string {
+  return translated(game.things[name] ?? name, game);
 }
 
 /** Returns what can be counted in a game, by name, with its title. */
-export function countersOf({
-  counters,
-  tallies,
-}: TaughtGame): readonly (readonly [string, string])[] {
-  return Object.entries({ ...counters, ...tallies }).map(([name, title]) => [
+export function countersOf(game: TaughtGame): readonly (readonly [string, string])[] {
+  return Object.entries({ ...game.counters, ...game.tallies }).map(([name, title]) => [
     name,
-    translated(title),
+    translated(title, game),
   ]);
 }
 

@@ -10,6 +10,8 @@ export interface GameWords {
   ends: () => Readonly<Record<string, string>>;
   /** When games end before their time, by the names of the rules: "when a life is lost". */
   rules: () => Readonly<Record<string, string>>;
+  /** Things and counts of the game, by what the server calls them. */
+  titles: () => Readonly<Record<string, string>>;
   /** "3 bricks broken". */
   taken: (count: number) => string;
   /** "Bricks broken". */

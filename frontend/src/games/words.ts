@@ -37,6 +37,7 @@ function plainWords({ items, ends, end_rules: rules }: Named): GameWords {
       ...Object.fromEntries(rules.map(({ name, title }) => [name, title])),
       ...commonRules(),
     }),
+    titles: () => ({}),
     taken: (count) => plural(count, { one: `# ${singular}`, other: `# ${several}` }),
     takenTitle: () => capitalised(several),
     noneTaken: () => t`no ${several}`,

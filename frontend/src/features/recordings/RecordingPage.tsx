@@ -8,7 +8,6 @@ import { courseQuery, framesQuery } from "@/api/recordings";
 import type { Behaviour, Recording, RecordingCourse, TaughtGame } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Failed, Loading, Notice } from "@/components/feedback/States";
-import { MeasureChecklist } from "@/components/measures/MeasureChecklist";
 import { PageTitle } from "@/components/PageTitle";
 import { KeepOrDiscard } from "@/components/recording/KeepOrDiscard";
 import { RecordingPlayer } from "@/components/recording/RecordingPlayer";
@@ -33,6 +32,7 @@ import { thingNames } from "@/lib/things";
 
 import { VerifiedBadge } from "./badges";
 import { ColumnBars } from "./ColumnBars";
+import { MeasureChecklist } from "./MeasureChecklist";
 import { NotesDialog } from "./NotesDialog";
 import styles from "./RecordingPage.module.css";
 

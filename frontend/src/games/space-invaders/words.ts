@@ -13,6 +13,11 @@ export const words: GameWords = {
     hit: t`when the cannon is hit`,
     life_counter: t`when the count of lives drops`,
   }),
+  titles: () => ({
+    cannon: t`cannon`,
+    missile: t`missile`,
+    "missiles fired": t`missiles fired`,
+  }),
   taken: (count) => plural(count, { one: "# alien hit", other: "# aliens hit" }),
   takenTitle: () => t`Aliens hit`,
   noneTaken: () => t`No alien was hit.`,

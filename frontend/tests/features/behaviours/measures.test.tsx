@@ -4,7 +4,7 @@ import { useState } from "react";
 import { describe, expect, it } from "vitest";
 
 import type { Measure, ReadyMade, TaughtGame } from "@/api/types";
-import { MeasureChecklist } from "@/components/measures/MeasureChecklist";
+import { MeasureChecklist } from "@/features/recordings/MeasureChecklist";
 import { GamePage } from "@/features/behaviours/games/GamePage";
 import { kindsOf, newMeasure, orderOf, orders } from "@/features/behaviours/measures/drafts";
 import { MeasureBuilder } from "@/features/behaviours/measures/MeasureBuilder";
