@@ -7,8 +7,11 @@ from typing import Any
 import pytest
 from starlette.testclient import TestClient
 
+from testsupport.finished_runs import make_finished_run
 from testsupport.waiting import wait_until
 from testsupport.workplace import Workplace
+from tril.store import recordings
+from tril.store.models import Source
 
 CANNON_LEFT = {"kind": "region", "thing": "cannon", "area": [0, 0, 78, 210], "at_least": 0.9}
 SHOTS = {"kind": "counter", "counter": "shots", "at_most": 1}
@@ -68,6 +71,38 @@ def test_another_bound_is_judged_at_once_and_another_measure_is_measured(
     assert {game["measured"][0]["value"] for game in listed(client, workplace)} == {4.0}
     ask_for(client, workplace)
     assert all(game["measured"] == [] for game in listed(client, workplace))
+
+
+def test_the_results_of_a_run_tell_what_its_policies_and_people_measure(
+    client: TestClient, workplace: Workplace
+) -> None:
+    run_id = make_finished_run(workplace)
+    with workplace.database.writing() as session:
+        recordings.get(session, workplace.ranked[0]).source = Source.PERSON
+    ask_for(client, workplace, SHOTS)
+
+    def rows() -> list[dict[str, Any]]:
+        results = client.get(f"/api/runs/{run_id}/results").json()
+        shown: list[dict[str, Any]] = results["measures"]
+        return shown
+
+    wait_until(lambda: all(rows()[0][player] for player in ("imitator", "clone", "person")))
+    wait_until(lambda: known(client, workplace))
+    (row,) = rows()
+    assert (row["unit"], row["measure"]["kind"]) == ("count", "counter")
+    results = client.get(f"/api/runs/{run_id}/results").json()
+    for policy in ("imitator", "clone"):
+        shots = [
+            game["recording"]["counters"]["shots"]
+            for game in results["games"]
+            if game["policy"] == policy
+            and game["action_selection"] == "greedy"
+            and game["held_out"]
+        ]
+        met = sum(count <= 1 for count in shots)
+        mean = {"n": len(shots), "mean": sum(shots) / len(shots), "n_met": met}
+        assert row[policy] == mean
+    assert row["person"]["n"] == 1
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from tril.games.measures import Measure
 from tril.games.measuring import Values
 from tril.store import rankings
 from tril.store.behaviours import as_behaviour
-from tril.store.changes import note_recordings
+from tril.store.changes import note_change, note_recordings
 from tril.store.models import BehaviourRow, RecordingRow, RecordingState, Verification
 
 
@@ -52,3 +52,6 @@ def store(session: Session, values: Mapping[int, Values]) -> None:
     for row in rows:
         row.measured = {**row.measured, **values[row.id]}
     note_recordings(session, rows)
+    # The pages of runs show the values of their games.
+    for run_id in sorted({row.run_id for row in rows if row.run_id is not None}):
+        note_change(session, "run", run_id)
