@@ -10,7 +10,7 @@ from starlette.testclient import TestClient
 def rows_of(library: dict[str, Any]) -> list[dict[str, Any]]:
     """Return the rows of an answer's columns, each with whether it is ranked."""
     columns = library["recordings"]
-    counters = columns.pop("counters")
+    counters, measured = columns.pop("counters"), columns.pop("measured")
     rows = [
         dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)
     ]
@@ -18,6 +18,7 @@ def rows_of(library: dict[str, Any]) -> list[dict[str, Any]]:
         row
         | {"ranked": row["id"] in library["ranked"]}
         | {"counters": {name: counts[place] for name, counts in counters.items()}}
+        | {"measured": [values[place] for values in measured]}
         for place, row in enumerate(rows)
     ]
 
