@@ -130,7 +130,8 @@ def execute(request: AnyRequest, consoles: Consoles) -> Content:
         return load_recording(request.content, consoles)
     console = consoles.of(request.recording.game)
     if isinstance(request, MeasureRequest):
-        return verify(request.recording, None, console, request.measures).replay.measured
+        verified = verify(request.recording, console=console, measures=request.measures)
+        return verified.replay.measured
     if request.task is ReplayTask.CHECK:
         verify(request.recording, request.taken, console)
         return b""
