@@ -194,6 +194,7 @@ describe("a new behaviour", () => {
       ordered: false,
       game: "space_invaders",
       settings: { max_steps: null, end_rule: null, options: {}, hidden: null },
+      measures: [],
     });
   });
 
