@@ -1,4 +1,4 @@
-"""Behaviours and recordings of any game: settings, starts as JSON, items, counters, measures."""
+"""Behaviours and recordings of any game: settings, starts as JSON, items, counters, score."""
 
 from typing import Any
 
@@ -40,10 +40,6 @@ def upgrade() -> None:
     op.add_column("recordings", sa.Column("max_steps", sa.Integer()))
     settings = sa.Column("settings", sa.JSON(), nullable=False, server_default="{}")
     op.add_column("behaviours", settings)
-    measures = sa.Column("measures", sa.JSON(), nullable=False, server_default="[]")
-    op.add_column("behaviours", measures)
-    measured = sa.Column("measured", sa.JSON(), nullable=False, server_default="{}")
-    op.add_column("recordings", measured)
     rows = _rows(*_OF_SPACE_INVADERS)
     _write(
         [
@@ -75,11 +71,11 @@ def downgrade() -> None:
             for row in rows
         ]
     )
-    for name in ("game", "start", "counters", "score", "max_steps", "measured"):
+    for name in ("game", "start", "counters", "score", "max_steps"):
         op.drop_column("recordings", name)
     for old, new in _RENAMED.items():
         op.execute(f"ALTER TABLE recordings RENAME COLUMN {new} TO {old}")
-    for name in ("game", "settings", "measures"):
+    for name in ("game", "settings"):
         op.drop_column("behaviours", name)
 
 
