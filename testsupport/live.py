@@ -20,6 +20,7 @@ from websockets.typing import Origin
 from server.app import create_app
 from server.main import Server, bind, server_config
 from server.play.rules import PlayRules
+from server.play.session.session import WHY_PAUSED
 from server.play.wire.codec import FrameDecoder
 from server.play.wire.protocol import (
     AckMessage,
@@ -28,6 +29,7 @@ from server.play.wire.protocol import (
     FrameMessage,
     Hello,
     InputMessage,
+    Paused,
     ServerMessage,
     client_bytes,
     parse_frame,
@@ -184,8 +186,13 @@ class GameClient:
                 return message
 
     def until_frame(self, frame: int) -> FrameMessage:
-        """Wait until the game has come to a frame."""
-        return self.until(FrameMessage, lambda message: message.frame >= frame)
+        """Wait until the game has come to a frame; a pause that the player did not ask for is ended."""
+        while True:
+            message = self.next()
+            if isinstance(message, Paused) and message.why != WHY_PAUSED:
+                self.say("ready")
+            elif isinstance(message, FrameMessage) and message.frame >= frame:
+                return message
 
     def begin(self) -> Hello:
         """Wait for the greeting, then start the countdown."""
