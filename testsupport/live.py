@@ -186,7 +186,7 @@ class GameClient:
                 return message
 
     def until_frame(self, frame: int) -> FrameMessage:
-        """Wait until the game has come to a frame; a pause that the player did not ask for is ended."""
+        """Wait until the game has come to a frame; a pause by the server is ended."""
         while True:
             message = self.next()
             if isinstance(message, Paused) and message.why != WHY_PAUSED:
