@@ -6,7 +6,7 @@ from collections.abc import AsyncIterator, Callable, Hashable, Iterator
 from typing import TYPE_CHECKING, Annotated, Any
 from uuid import UUID
 
-from fastapi import Depends, Path
+from fastapi import Depends, Path, Query
 from sqlalchemy.orm import Session
 from starlette.requests import HTTPConnection
 
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from server.services import Services
 
 MAX_ID = 2**31 - 1
+MAX_LISTED = 200
+"""Most entries of a list in one response, of about a kilobyte each."""
 
 
 def services_of(connection: HTTPConnection) -> Services:
@@ -48,6 +50,7 @@ RecordingId = Annotated[int, Path(ge=1, le=MAX_ID)]
 ArtifactId = Annotated[int, Path(ge=1, le=MAX_ID)]
 RunId = Annotated[UUID, Path()]
 GameId = Annotated[UUID, Path()]
+PageLimit = Annotated[int, Query(ge=1, le=MAX_LISTED)]
 
 
 def identity_of(connection: HTTPConnection) -> Identity:

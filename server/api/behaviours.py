@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
+from typing import Annotated
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Query
 from sqlalchemy.orm import Session
 
 from server.api.schemas.base import Cell
@@ -18,7 +19,15 @@ from server.api.schemas.behaviours import (
     Settings,
 )
 from server.api.schemas.measures import Measure, measures_of
-from server.dependencies import BehaviourId, ReadSession, Who, WriteSession
+from server.dependencies import (
+    MAX_ID,
+    MAX_LISTED,
+    BehaviourId,
+    PageLimit,
+    ReadSession,
+    Who,
+    WriteSession,
+)
 from server.web.permissions import for_reader
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril.demonstrators import GameOutcome, example_plans, match_plans
@@ -30,12 +39,24 @@ from tril.store.models import BehaviourRow, RecordingState, Verification
 router = APIRouter(prefix="/behaviours", tags=["behaviours"])
 
 
-@router.get("")
-def list_behaviours(session: ReadSession, who: Who) -> list[Behaviour]:
-    """Return the behaviours that one may play, the built-in ones first."""
-    rows = behaviours.listing(session)
+@router.get("", responses=NOT_FOUND)
+def list_behaviours(
+    session: ReadSession,
+    who: Who,
+    after: Annotated[
+        int | None,
+        Query(ge=1, le=MAX_ID, description="Only those that follow this one in the list."),
+    ] = None,
+    limit: PageLimit = MAX_LISTED,
+) -> list[Behaviour]:
+    """Return the behaviours that one may play, the built-in ones first.
+
+    At most 200 are returned: ask for further ones with ``after``.
+    """
+    ids = who.behaviour_ids if who.is_participant else None
+    rows = behaviours.listing(session, ids=ids, after=after, limit=limit)
     if who.is_participant:
-        return [for_reader(who, _view(row, {})) for row in rows if row.id in who.behaviour_ids]
+        return [for_reader(who, _view(row, {})) for row in rows]
     counts = behaviours.counts(session)
     return [_view(row, counts) for row in rows]
 

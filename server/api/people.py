@@ -20,7 +20,15 @@ from server.api.schemas.people import (
     PlayerUpdate,
     RoleUpdate,
 )
-from server.dependencies import MAX_ID, ReadSession, Who, WriteSession, services_of
+from server.dependencies import (
+    MAX_ID,
+    MAX_LISTED,
+    PageLimit,
+    ReadSession,
+    Who,
+    WriteSession,
+    services_of,
+)
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril.store import audit, players
 from tril.store.access import credentials, invitations, roles
@@ -29,6 +37,7 @@ from tril.text import shown_json
 
 router = APIRouter(tags=["people"])
 
+Before = Annotated[int | None, Query(ge=1, le=MAX_ID, description="Only those with lower ids.")]
 PersonsId = Annotated[int, Path(ge=1, le=MAX_ID)]
 
 
@@ -54,9 +63,16 @@ def sign_out(request: Request, response: Response, session: WriteSession, who: W
 
 
 @router.get("/people")
-def list_people(session: ReadSession) -> list[Person]:
-    """Return everybody who has been let in, and the owner."""
-    return [Person.of(person) for person in roles.people(session)]
+def list_people(
+    session: ReadSession,
+    after: Annotated[int, Query(ge=0, le=MAX_ID, description="Only those with higher ids.")] = 0,
+    limit: PageLimit = MAX_LISTED,
+) -> list[Person]:
+    """Return who has been let in, and the owner.
+
+    At most 200 are returned: ask for further ones with ``after``.
+    """
+    return [Person.of(person) for person in roles.people(session, after, limit)]
 
 
 @router.put("/people/{player_id}/role", status_code=204, responses={**NOT_FOUND, **CONFLICT})
@@ -66,9 +82,15 @@ def change_role(session: WriteSession, who: Who, player_id: PersonsId, update: R
 
 
 @router.get("/browsers")
-def list_browsers(session: ReadSession, who: Who) -> list[Browser]:
-    """Return the browsers that are signed in, the newest first."""
-    people = players.by_id(session)
+def list_browsers(
+    session: ReadSession, who: Who, before: Before = None, limit: PageLimit = MAX_LISTED
+) -> list[Browser]:
+    """Return the browsers that are signed in, the newest first.
+
+    At most 200 are returned: ask for further ones with ``before``.
+    """
+    rows = credentials.listing(session, CredentialKind.BROWSER, before, limit)
+    people = players.by_id(session, {row.player_id for row in rows})
     return [
         Browser.of(
             row,
@@ -76,7 +98,7 @@ def list_browsers(session: ReadSession, who: Who) -> list[Browser]:
             role=people[row.player_id].role,
             present=row.id == who.credential_id,
         )
-        for row in credentials.listing(session, CredentialKind.BROWSER)
+        for row in rows
     ]
 
 
@@ -88,9 +110,9 @@ def sign_browser_out(session: WriteSession, who: Who, browser_id: PersonsId) -> 
 
 @router.get("/keys")
 def list_keys(session: ReadSession) -> list[Key]:
-    """Return the keys, the newest first."""
-    people = players.by_id(session)
+    """Return the keys, 100 at most, the newest first."""
     rows = credentials.listing(session, CredentialKind.KEY)
+    people = players.by_id(session, {row.player_id for row in rows})
     return [Key.of(row, player=people[row.player_id].name) for row in rows]
 
 
@@ -109,9 +131,15 @@ def revoke_key(session: WriteSession, who: Who, key_id: PersonsId) -> None:
 
 
 @router.get("/invitations")
-def list_invitations(session: ReadSession) -> list[Invitation]:
-    """Return the invitations that were not revoked, the newest first."""
-    return [Invitation.model_validate(row) for row in invitations.listing(session)]
+def list_invitations(
+    session: ReadSession, before: Before = None, limit: PageLimit = MAX_LISTED
+) -> list[Invitation]:
+    """Return the invitations that were not revoked, the newest first.
+
+    At most 200 are returned: ask for further ones with ``before``.
+    """
+    rows = invitations.listing(session, before, limit)
+    return [Invitation.model_validate(row) for row in rows]
 
 
 @router.post("/invitations", status_code=201, responses=NOT_FOUND)

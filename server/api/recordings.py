@@ -26,7 +26,9 @@ from server.api.views.library import library_view
 from server.api.views.recordings import RecordingViews, parent_of
 from server.dependencies import (
     MAX_ID,
+    MAX_LISTED,
     BehaviourId,
+    PageLimit,
     ReadSession,
     RecordingId,
     Who,
@@ -48,8 +50,6 @@ router = APIRouter(tags=["recordings"])
 JSON_LINES = "application/x-ndjson"
 _LINES = {"schema": {"type": "string"}}
 
-MAX_LISTED = 200
-"""Most recordings in one answer, of about a kilobyte each."""
 MAX_SHOWN = 100
 """Most recordings that one request names in its address."""
 MAX_NAMED = 20
@@ -76,7 +76,7 @@ def list_recordings(
     before: Annotated[
         int | None, Query(ge=1, le=MAX_ID, description="Only those with lower ids.")
     ] = None,
-    limit: Annotated[int, Query(ge=1, le=MAX_LISTED)] = MAX_LISTED,
+    limit: PageLimit = MAX_LISTED,
     undecided: Annotated[bool, Query(description="Only those to keep or discard.")] = False,
 ) -> list[Recording]:
     """Return a behaviour's recordings, newest first, those to keep or discard included.

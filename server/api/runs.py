@@ -4,20 +4,29 @@ from __future__ import annotations
 
 import contextlib
 from typing import Annotated
+from uuid import UUID
 
 from fastapi import APIRouter, Query, Request
 
 from server.api.schemas.runs import Metrics, Recipe, Run, RunNew, RunResults, RunUpdate
 from server.api.views.results import run_results
 from server.api.views.runs import run_view, stage_views
-from server.dependencies import MAX_ID, ReadSession, RunId, Who, WriteSession, services_of
+from server.dependencies import (
+    MAX_ID,
+    MAX_LISTED,
+    PageLimit,
+    ReadSession,
+    RunId,
+    Who,
+    WriteSession,
+    services_of,
+)
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril import jobs
 from tril.errors import Conflict
 from tril.games import DEFAULT_GAME, game_named, game_of
 from tril.recipes import recipe_named, recipes_for, with_values
 from tril.store import behaviours
-from tril.store.models import NOT_OVER
 from tril.store.training import metrics, runs
 
 MOST_STEPS = 2_000
@@ -58,12 +67,20 @@ def list_runs(
     session: ReadSession,
     behaviour_id: Annotated[int | None, Query(ge=1, le=MAX_ID)] = None,
     active: Annotated[bool, Query(description="Only those that are not over.")] = False,
+    before: Annotated[
+        UUID | None, Query(description="Only those that follow this one in the list.")
+    ] = None,
+    limit: PageLimit = MAX_LISTED,
 ) -> list[Run]:
-    """Return the trainings of a behaviour, or all, newest first."""
+    """Return the trainings of a behaviour, or of all, newest first.
+
+    At most 200 are returned: ask for further ones with ``before``.
+    """
     if behaviour_id is not None:
         behaviours.get(session, behaviour_id)
-    rows = runs.listing(session, behaviour_id)
-    return [run_view(session, row) for row in rows if not active or row.status in NOT_OVER]
+    last = None if before is None else str(before)
+    rows = runs.listing(session, behaviour_id, active_only=active, before=last, limit=limit)
+    return [run_view(session, row) for row in rows]
 
 
 @router.post("/runs", status_code=201, responses=NOT_FOUND | CONFLICT)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections import defaultdict
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 from sqlalchemy import func, select
@@ -97,10 +98,35 @@ def by_slug(session: Session, slug: str) -> BehaviourRow:
     return row
 
 
-def listing(session: Session) -> list[BehaviourRow]:
-    """Return all behaviours, built-in ones first, then by age."""
+def listing(
+    session: Session,
+    *,
+    ids: Collection[int] | None = None,
+    after: int | None = None,
+    limit: int | None = None,
+) -> list[BehaviourRow]:
+    """Return the behaviours, built-in ones first, then by age.
+
+    Args:
+        session: The transaction.
+        ids: Only these.
+        after: Only those that follow this one in the list, even if it was deleted since.
+        limit: Most behaviours that are returned.
+
+    Raises:
+        NotFound: There has never been the behaviour of ``after``.
+    """
     query = select(BehaviourRow).where(BehaviourRow.deleted_at.is_(None))
-    return list(session.scalars(query.order_by(BehaviourRow.built_in.desc(), BehaviourRow.id)))
+    if ids is not None:
+        query = query.where(BehaviourRow.id.in_(ids))
+    if after is not None:
+        last = session.get(BehaviourRow, after)
+        if last is None:
+            raise NotFound("There is no such behaviour.")
+        follows = (BehaviourRow.built_in == last.built_in) & (BehaviourRow.id > last.id)
+        query = query.where(follows | ~BehaviourRow.built_in if last.built_in else follows)
+    order = (BehaviourRow.built_in.desc(), BehaviourRow.id)
+    return list(session.scalars(query.order_by(*order).limit(limit)))
 
 
 def counts(session: Session, behaviour_id: int | None = None) -> dict[int, Counts]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from sqlalchemy import exists, or_, select
 from sqlalchemy.orm import Session
 
@@ -94,11 +96,12 @@ def named(session: Session, name: str) -> PlayerRow:
     return next(namesakes, None) or add(session, name, Role.PARTICIPANT)
 
 
-def by_id(session: Session) -> dict[int, PlayerRow]:
-    """Return everybody by id."""
-    return {row.id: row for row in session.scalars(select(PlayerRow))}
+def by_id(session: Session, ids: Collection[int]) -> dict[int, PlayerRow]:
+    """Return people by id."""
+    query = select(PlayerRow).where(PlayerRow.id.in_(ids))
+    return {row.id: row for row in session.scalars(query)}
 
 
 def names(session: Session) -> dict[int, str]:
     """Return every player's name by id."""
-    return {key: row.name for key, row in by_id(session).items()}
+    return {row.id: row.name for row in session.scalars(select(PlayerRow))}

@@ -1,11 +1,15 @@
 import { queryOptions } from "@tanstack/react-query";
 
 import { api, patientFetch, unwrap } from "./client";
+import { after, everyPage } from "./pages";
 import type { Behaviour, BehaviourNew, BehaviourUpdate } from "./types";
 
 export const behavioursQuery = queryOptions({
   queryKey: ["behaviours"],
-  queryFn: ({ signal }) => unwrap(api.GET("/api/behaviours", { signal })),
+  queryFn: ({ signal }) =>
+    everyPage<Behaviour>((last, limit) =>
+      unwrap(api.GET("/api/behaviours", { params: { query: { limit, ...after(last) } }, signal })),
+    ),
 });
 
 export function behaviourQuery(behaviourId: number) {

@@ -1,6 +1,7 @@
 import { infiniteQueryOptions, queryOptions } from "@tanstack/react-query";
 
 import { api, unwrap } from "./client";
+import { after, before, everyPage } from "./pages";
 import type {
   AuditEntry,
   Invitation,
@@ -8,7 +9,9 @@ import type {
   KeyNew,
   NewInvitation,
   NewKey,
+  Person,
   RoleUpdate,
+  SignedInBrowser,
 } from "./types";
 
 const ENTRIES = 50;
@@ -18,19 +21,30 @@ const LOOK_AGAIN_MS = 15_000;
 
 export const peopleQuery = queryOptions({
   queryKey: ["people", "everybody"],
-  queryFn: ({ signal }) => unwrap(api.GET("/api/people", { signal })),
+  queryFn: ({ signal }) =>
+    everyPage<Person>((last, limit) =>
+      unwrap(api.GET("/api/people", { params: { query: { limit, ...after(last) } }, signal })),
+    ),
   refetchInterval: LOOK_AGAIN_MS,
 });
 
 export const browsersQuery = queryOptions({
   queryKey: ["people", "browsers"],
-  queryFn: ({ signal }) => unwrap(api.GET("/api/browsers", { signal })),
+  queryFn: ({ signal }) =>
+    everyPage<SignedInBrowser>((last, limit) =>
+      unwrap(api.GET("/api/browsers", { params: { query: { limit, ...before(last) } }, signal })),
+    ),
   refetchInterval: LOOK_AGAIN_MS,
 });
 
 export const invitationsQuery = queryOptions({
   queryKey: ["people", "invitations"],
-  queryFn: ({ signal }): Promise<Invitation[]> => unwrap(api.GET("/api/invitations", { signal })),
+  queryFn: ({ signal }) =>
+    everyPage<Invitation>((last, limit) =>
+      unwrap(
+        api.GET("/api/invitations", { params: { query: { limit, ...before(last) } }, signal }),
+      ),
+    ),
 });
 
 export const keysQuery = queryOptions({

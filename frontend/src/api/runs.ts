@@ -1,6 +1,7 @@
 import { queryOptions } from "@tanstack/react-query";
 
 import { api, fetchBytes, fetchFile, patientFetch, unwrap } from "./client";
+import { before, everyPage } from "./pages";
 import type { Run, RunNew, RunUpdate } from "./types";
 
 function at(runId: string) {
@@ -16,25 +17,30 @@ export function recipesQuery(game: string) {
   });
 }
 
+function runsThat(
+  filter: { behaviour_id?: number; active?: boolean },
+  signal: AbortSignal,
+): Promise<Run[]> {
+  return everyPage<Run>((last, limit) =>
+    unwrap(
+      api.GET("/api/runs", { params: { query: { ...filter, limit, ...before(last) } }, signal }),
+    ),
+  );
+}
+
 /** The runs of a behaviour, or of all; newest first. */
 export function runsQuery(behaviourId?: number) {
   return queryOptions({
     queryKey: behaviourId === undefined ? ["runs"] : ["runs", { behaviourId }],
     queryFn: ({ signal }) =>
-      unwrap(
-        api.GET("/api/runs", {
-          params: { query: behaviourId === undefined ? {} : { behaviour_id: behaviourId } },
-          signal,
-        }),
-      ),
+      runsThat(behaviourId === undefined ? {} : { behaviour_id: behaviourId }, signal),
   });
 }
 
 /** The runs that are not over. */
 export const activeRunsQuery = queryOptions({
   queryKey: ["runs", { active: true }],
-  queryFn: ({ signal }) =>
-    unwrap(api.GET("/api/runs", { params: { query: { active: true } }, signal })),
+  queryFn: ({ signal }) => runsThat({ active: true }, signal),
 });
 
 export function runQuery(runId: string) {

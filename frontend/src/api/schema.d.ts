@@ -54,6 +54,8 @@ export interface paths {
         /**
          * List Behaviours
          * @description Return the behaviours that one may play, the built-in ones first.
+         *
+         *     At most 200 are returned: ask for further ones with ``after``.
          */
         get: operations["list_behaviours"];
         put?: never;
@@ -471,6 +473,8 @@ export interface paths {
         /**
          * List Browsers
          * @description Return the browsers that are signed in, the newest first.
+         *
+         *     At most 200 are returned: ask for further ones with ``before``.
          */
         get: operations["list_browsers"];
         put?: never;
@@ -697,6 +701,8 @@ export interface paths {
         /**
          * List Invitations
          * @description Return the invitations that were not revoked, the newest first.
+         *
+         *     At most 200 are returned: ask for further ones with ``before``.
          */
         get: operations["list_invitations"];
         put?: never;
@@ -740,7 +746,7 @@ export interface paths {
         };
         /**
          * List Keys
-         * @description Return the keys, the newest first.
+         * @description Return the keys, 100 at most, the newest first.
          */
         get: operations["list_keys"];
         put?: never;
@@ -784,7 +790,9 @@ export interface paths {
         };
         /**
          * List People
-         * @description Return everybody who has been let in, and the owner.
+         * @description Return who has been let in, and the owner.
+         *
+         *     At most 200 are returned: ask for further ones with ``after``.
          */
         get: operations["list_people"];
         put?: never;
@@ -1080,7 +1088,9 @@ export interface paths {
         };
         /**
          * List Runs
-         * @description Return the trainings of a behaviour, or all, newest first.
+         * @description Return the trainings of a behaviour, or of all, newest first.
+         *
+         *     At most 200 are returned: ask for further ones with ``before``.
          */
         get: operations["list_runs"];
         put?: never;
@@ -3479,7 +3489,11 @@ export interface operations {
     };
     list_behaviours: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description Only those that follow this one in the list. */
+                after?: number | null;
+                limit?: number;
+            };
             header?: never;
             path?: never;
             cookie?: never;
@@ -3515,6 +3529,15 @@ export interface operations {
             };
             /** @description You may not do this, or it comes from another site. */
             403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -5740,7 +5763,11 @@ export interface operations {
     };
     list_browsers: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description Only those with lower ids. */
+                before?: number | null;
+                limit?: number;
+            };
             header?: never;
             path?: never;
             cookie?: never;
@@ -6660,7 +6687,11 @@ export interface operations {
     };
     list_invitations: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description Only those with lower ids. */
+                before?: number | null;
+                limit?: number;
+            };
             header?: never;
             path?: never;
             cookie?: never;
@@ -7148,7 +7179,11 @@ export interface operations {
     };
     list_people: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description Only those with higher ids. */
+                after?: number;
+                limit?: number;
+            };
             header?: never;
             path?: never;
             cookie?: never;
@@ -8641,7 +8676,10 @@ export interface operations {
             query?: {
                 /** @description Only those that are not over. */
                 active?: boolean;
+                /** @description Only those that follow this one in the list. */
+                before?: string | null;
                 behaviour_id?: number | null;
+                limit?: number;
             };
             header?: never;
             path?: never;

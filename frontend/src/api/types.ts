@@ -33,6 +33,7 @@ export type Metrics = Schemas["Metrics"];
 export type NewInvitation = Schemas["NewInvitation"];
 export type NewKey = Schemas["NewKey"];
 export type Person = Schemas["Person"];
+export type SignedInBrowser = Schemas["Browser"];
 export type Player = Schemas["Player"];
 export type PolicyGamesSummary = Schemas["PolicyGamesSummary"];
 export type PolicySummary = Schemas["PolicySummary"];

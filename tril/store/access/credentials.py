@@ -154,10 +154,24 @@ def find(session: Session, secret_hash: str) -> Identity | None:
     )
 
 
-def listing(session: Session, kind: CredentialKind) -> list[CredentialRow]:
-    """Return the credentials of a kind that still let somebody in, newest first."""
+def listing(
+    session: Session,
+    kind: CredentialKind,
+    before: int | None = None,
+    limit: int | None = None,
+) -> list[CredentialRow]:
+    """Return the credentials of a kind that still let somebody in, newest first.
+
+    Args:
+        session: The transaction.
+        kind: Browsers or keys.
+        before: Only those with lower ids.
+        limit: Most of them that are returned.
+    """
     query = select(CredentialRow).where(CredentialRow.kind == kind, _is_valid())
-    return list(session.scalars(query.order_by(CredentialRow.id.desc())))
+    if before is not None:
+        query = query.where(CredentialRow.id < before)
+    return list(session.scalars(query.order_by(CredentialRow.id.desc()).limit(limit)))
 
 
 def end(

@@ -154,10 +154,20 @@ def accept(
     return signed_in, row.behaviour_id
 
 
-def listing(session: Session) -> list[InvitationRow]:
-    """Return the invitations that are not revoked, newest first."""
+def listing(
+    session: Session, before: int | None = None, limit: int | None = None
+) -> list[InvitationRow]:
+    """Return the invitations that are not revoked, newest first.
+
+    Args:
+        session: The transaction.
+        before: Only those with lower ids.
+        limit: Most of them that are returned.
+    """
     query = select(InvitationRow).where(InvitationRow.revoked_at.is_(None))
-    return list(session.scalars(query.order_by(InvitationRow.id.desc())))
+    if before is not None:
+        query = query.where(InvitationRow.id < before)
+    return list(session.scalars(query.order_by(InvitationRow.id.desc()).limit(limit)))
 
 
 def revoke(session: Session, invitation_id: int, by_player_id: int | None) -> None:

@@ -38,18 +38,24 @@ class Person:
     behaviour_ids: tuple[int, ...]
 
 
-def people(session: Session) -> list[Person]:
-    """Return everybody who has been let in, and the owner; not those whose games were imported."""
-    memberships = defaultdict(list)
-    for row in session.scalars(select(MembershipRow).order_by(MembershipRow.behaviour_id)):
-        memberships[row.player_id].append(row.behaviour_id)
+def people(session: Session, after: int = 0, limit: int | None = None) -> list[Person]:
+    """Return who has been let in, and the owner; not those whose games were imported.
+
+    Args:
+        session: The transaction.
+        after: Only people with higher ids.
+        limit: Most people that are returned.
+    """
     was_let_in = exists().where(CredentialRow.player_id == PlayerRow.id)
-    found = session.scalars(
-        select(PlayerRow)
-        .where(or_(was_let_in, PlayerRow.role == Role.OWNER))
-        .order_by(PlayerRow.id)
+    query = select(PlayerRow).where(
+        or_(was_let_in, PlayerRow.role == Role.OWNER), PlayerRow.id > after
     )
-    return [Person(row.id, row.name, Role(row.role), tuple(memberships[row.id])) for row in found]
+    rows = session.scalars(query.order_by(PlayerRow.id).limit(limit)).all()
+    of_them = select(MembershipRow).where(MembershipRow.player_id.in_([row.id for row in rows]))
+    memberships = defaultdict(list)
+    for membership in session.scalars(of_them.order_by(MembershipRow.behaviour_id)):
+        memberships[membership.player_id].append(membership.behaviour_id)
+    return [Person(row.id, row.name, Role(row.role), tuple(memberships[row.id])) for row in rows]
 
 
 def change(

@@ -226,12 +226,40 @@ def lineage(session: Session, row: RunRow) -> list[RunRow]:
     return found
 
 
-def listing(session: Session, behaviour_id: int | None = None) -> list[RunRow]:
-    """Return the runs, of one behaviour or of all, newest first."""
+def listing(
+    session: Session,
+    behaviour_id: int | None = None,
+    *,
+    active_only: bool = False,
+    before: str | None = None,
+    limit: int | None = None,
+) -> list[RunRow]:
+    """Return the runs, newest first.
+
+    Args:
+        session: The transaction.
+        behaviour_id: Only those of this behaviour.
+        active_only: Only those that are not over.
+        before: Only those that follow this run in the list, even if it was deleted since.
+        limit: Most runs that are returned.
+
+    Raises:
+        NotFound: There has never been the run of ``before``.
+    """
     query = select(RunRow).where(RunRow.deleted_at.is_(None))
     if behaviour_id is not None:
         query = query.where(RunRow.behaviour_id == behaviour_id)
-    return list(session.scalars(query.order_by(RunRow.created_at.desc(), RunRow.id)))
+    if active_only:
+        query = query.where(RunRow.status.in_(NOT_OVER))
+    if before is not None:
+        last = session.get(RunRow, before)
+        if last is None:
+            raise NotFound("There is no such training.")
+        is_same_age = RunRow.created_at == last.created_at
+        query = query.where(
+            (RunRow.created_at < last.created_at) | (is_same_age & (RunRow.id > last.id))
+        )
+    return list(session.scalars(query.order_by(RunRow.created_at.desc(), RunRow.id).limit(limit)))
 
 
 def not_over(session: Session) -> list[RunRow]:
