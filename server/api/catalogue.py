@@ -7,6 +7,7 @@ from urllib.parse import quote
 
 from fastapi import APIRouter, Request
 from sqlalchemy import func, select
+from sqlalchemy.orm import Session
 from starlette.responses import Response
 
 from server.api.schemas.behaviours import Settings
@@ -19,16 +20,18 @@ from server.api.schemas.catalogue import (
     Title,
 )
 from server.api.schemas.measures import Measure
-from server.dependencies import ReadSession, services_of
+from server.dependencies import ReadSession, Who, services_of
 from server.play.replays import ReplayTask
 from server.web.problems import NOT_FOUND
 from tril import __version__
 from tril.demonstrators.varied import has_player
-from tril.games import game_named, game_titles
+from tril.games import UnknownGame, game_named, game_titles
 from tril.games.behaviours import Behaviour
 from tril.games.settings import MAX_STEPS
 from tril.play.pictures import drawn_picture
 from tril.sample import sample
+from tril.store import behaviours
+from tril.store.access.credentials import Identity
 from tril.store.models import BehaviourRow, RecordingRow, Source
 
 router = APIRouter(prefix="/catalogue", tags=["catalogue"])
@@ -39,10 +42,8 @@ _IMMUTABLE = "private, max-age=31536000, immutable"
 @router.get("")
 def list_catalogue(session: ReadSession) -> list[Title]:
     """Return the games that can be taught: those played last first, then in order of titles."""
-    behaviours = select(BehaviourRow.game, func.count()).where(BehaviourRow.deleted_at.is_(None))
-    n_behaviours = {
-        row[0]: row[1] for row in session.execute(behaviours.group_by(BehaviourRow.game))
-    }
+    taught = select(BehaviourRow.game, func.count()).where(BehaviourRow.deleted_at.is_(None))
+    n_behaviours = {row[0]: row[1] for row in session.execute(taught.group_by(BehaviourRow.game))}
     played = select(RecordingRow.game, func.max(RecordingRow.created_at)).where(
         RecordingRow.source == Source.PERSON
     )
@@ -62,8 +63,12 @@ def list_catalogue(session: ReadSession) -> list[Title]:
 
 
 @router.get("/games/{name:path}", responses=NOT_FOUND)
-def get_title(name: str) -> TaughtGame:
-    """Return a game: its screen, time, buttons, ends and what else the page needs."""
+def get_title(session: ReadSession, who: Who, name: str) -> TaughtGame:
+    """Return a game: its screen, time, buttons, ends and what else the page needs.
+
+    A participant gets the games of the behaviours that they play.
+    """
+    _refuse_title_of_others(session, who, name)
     game = game_named(name)
     items = game.items
     return TaughtGame(
@@ -103,13 +108,29 @@ def get_title(name: str) -> TaughtGame:
     response_class=Response,
     responses=NOT_FOUND | {200: {"content": {"image/png": {}}}},
 )
-def get_title_picture(request: Request, name: str) -> Response:
-    """Return a picture of a game, some seconds after its start."""
+def get_title_picture(request: Request, session: ReadSession, who: Who, name: str) -> Response:
+    """Return a picture of a game, some seconds after its start.
+
+    A participant gets those of the behaviours that they play.
+    """
+    _refuse_title_of_others(session, who, name)
     content = drawn_picture(name)
     if content is None:
         played = sample(game_named(name))
         content = services_of(request).replay_cache.get(played, ReplayTask.THUMBNAIL)
     return Response(content, media_type="image/png", headers={"Cache-Control": _IMMUTABLE})
+
+
+def _refuse_title_of_others(session: Session, who: Identity, name: str) -> None:
+    """Raise UnknownGame unless a participant plays a game.
+
+    Whoever names any game lets the server import and play environments, for seconds each.
+    """
+    if not who.is_participant:
+        return
+    rows = behaviours.listing(session, ids=who.behaviour_ids)
+    if name not in {row.game for row in rows}:
+        raise UnknownGame(f"There is no game {name!r} here.")
 
 
 def _ready_made(behaviour: Behaviour) -> ReadyMade:

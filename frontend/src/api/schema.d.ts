@@ -535,6 +535,8 @@ export interface paths {
         /**
          * Get Title
          * @description Return a game: its screen, time, buttons, ends and what else the page needs.
+         *
+         *     A participant gets the games of the behaviours that they play.
          */
         get: operations["get_title"];
         put?: never;
@@ -555,6 +557,8 @@ export interface paths {
         /**
          * Get Title Picture
          * @description Return a picture of a game, some seconds after its start.
+         *
+         *     A participant gets those of the behaviours that they play.
          */
         get: operations["get_title_picture"];
         put?: never;

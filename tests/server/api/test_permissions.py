@@ -21,6 +21,7 @@ from sqlalchemy import select
 from starlette.testclient import TestClient, WebSocketTestSession
 from starlette.websockets import WebSocketDisconnect
 
+from server.api import catalogue
 from server.play.rules import PlayRules
 from server.web.permissions import (
     NEEDS,
@@ -544,3 +545,17 @@ def test_a_participant_is_told_nothing_of_what_researchers_make_of_a_game(
 def test_the_table_of_permissions_is_current() -> None:
     docs = Path(__file__).parents[3] / "docs" / "permissions.md"
     assert docs.read_text() == page(), "python -m server.web.permissions > docs/permissions.md"
+
+
+@pytest.mark.parametrize("path", ["games", "pictures"])
+def test_a_participant_names_no_game_that_they_do_not_play(
+    world: World, path: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    visitor = world.visitor("participant")
+    assert visitor.get(f"/api/catalogue/{path}/space_invaders").status_code == 200
+    made: list[str] = []
+    monkeypatch.setattr(catalogue, "game_named", made.append)
+    for name in ("pong", "gym:CartPole-v1", "gym:os:Walk-v0"):
+        assert visitor.get(f"/api/catalogue/{path}/{name}").status_code == 404
+    assert made == []
+    assert world.visitor("researcher").get("/api/catalogue/pictures/pong").status_code == 200
