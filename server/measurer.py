@@ -11,7 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 from server.play.background import PeriodicTask
 from server.play.replays import ReplayProcess
-from tril.errors import Invalid, NotFound
+from tril.errors import Invalid, NotFound, Unavailable
 from tril.games.measures import Measure
 from tril.games.measuring import Values, measurable
 from tril.store import measured, recordings
@@ -89,6 +89,9 @@ class Measurer:
             except (Invalid, NotFound) as refusal:
                 self._refused.add((recording_id, measures))
                 _LOG.warning("Recording %d can't be measured: %s", recording_id, refusal)
+            except Unavailable as failure:
+                # Tried again after the next change; the others don't wait for it.
+                _LOG.warning("Recording %d is not measured yet: %s", recording_id, failure)
             is_due = time.monotonic() - stored_s >= STORED_EVERY_S
             if values and (is_due or len(values) >= STORED_AT_ONCE):
                 self._store(values)

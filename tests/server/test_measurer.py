@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import pytest
 from starlette.testclient import TestClient
 
+from server.measurer import Measurer
+from server.play.replays import ReplayProcess
 from testsupport.finished_runs import make_finished_run
 from testsupport.waiting import wait_until
 from testsupport.workplace import Workplace
-from tril.store import recordings
+from tril.errors import Unavailable
+from tril.games.measures import Measure
+from tril.games.measuring import Values
+from tril.recording import Recording
+from tril.store import behaviours, measured, recordings
 from tril.store.models import Source
 
 CANNON_LEFT = {"kind": "region", "thing": "cannon", "area": [0, 0, 78, 210], "at_least": 0.9}
@@ -121,3 +128,35 @@ def test_a_measure_that_makes_no_sense_is_refused_with_what_does(
     answer = client.patch(url, json={"measures": [measure]})
     assert answer.status_code == 422
     assert message in answer.text
+
+
+class FailingReplays(ReplayProcess):
+    """Measures every recording but one, whose replay fails."""
+
+    def __init__(self, actions: bytes) -> None:
+        self._actions: bytes | None = actions
+
+    def heal(self) -> None:
+        """Let its replay succeed from now on."""
+        self._actions = None
+
+    def measure(self, recording: Recording, measures: Sequence[Measure]) -> Values:
+        if recording.actions == self._actions:
+            raise Unavailable("Its replay failed.")
+        return {measure.key: 1.0 for measure in measures}
+
+
+def test_a_recording_whose_replay_fails_holds_no_other_up(workplace: Workplace) -> None:
+    failing = workplace.ranked[1]
+    with workplace.database.writing() as session:
+        behaviours.get(session, workplace.behaviour_id).measures = [SHOTS]
+        actions = recordings.as_recording(recordings.get(session, failing)).actions
+    replays = FailingReplays(actions)
+    measurer = Measurer(workplace.database, replays)
+    measurer.measure_all()
+    with workplace.database.reading() as session:
+        assert list(measured.unmeasured(session)) == [failing]
+    replays.heal()
+    measurer.measure_all()
+    with workplace.database.reading() as session:
+        assert not measured.unmeasured(session)
