@@ -13,7 +13,13 @@ from tests.e2e.pages import DESKTOP, PATIENCE_MS, watched_page
 from testsupport.browser import launch_chromium
 from testsupport.live import LiveServer, live_server
 from testsupport.processes import TrilProcess, whole_tril
-from testsupport.workplace import make_workplace
+from testsupport.replays import shared_replays
+from testsupport.workplace import Workplace, make_workplace
+
+@pytest.fixture(scope="session", autouse=True)
+def _shared_replays() -> Iterator[None]:
+    with shared_replays():
+        yield
 
 
 @pytest.fixture(scope="session")
@@ -24,6 +30,14 @@ def browser() -> Iterator[Browser]:
         browser = launch_chromium(playwright)
         yield browser
         browser.close()
+
+
+@pytest.fixture(scope="module")
+def shared_workplace(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workplace]:
+    """Return a data folder with four ranked recordings, which a module's tests share."""
+    made = make_workplace(tmp_path_factory.mktemp("shared") / "data")
+    yield made
+    made.database.close()
 
 
 @pytest.fixture(scope="module")

@@ -81,18 +81,18 @@ def empty(tmp_path: Path) -> Iterator[LiveServer]:
         yield running
 
 
-@pytest.fixture
-def used(workplace: Workplace) -> Iterator[LiveServer]:
+@pytest.fixture(scope="module")
+def used(shared_workplace: Workplace) -> Iterator[LiveServer]:
     """Return a running server with games to rank, a finished run and one that was stopped."""
-    make_finished_run(workplace)
-    stopped = workplace.make_run(go_on_anyway=False)
-    lease = workplace.lease(stopped)
-    with workplace.database.writing() as session:
+    make_finished_run(shared_workplace)
+    stopped = shared_workplace.make_run(go_on_anyway=False)
+    lease = shared_workplace.lease(stopped)
+    with shared_workplace.database.writing() as session:
         for stage in ("trajectories", "reward", "check"):
             row = leases.finish_stage(session, lease, stage, 1.0)
         row.outcome = checked({}, passed=False, advice=ADVICE)
         leases.end(session, lease, RunStatus.STOPPED, ADVICE)
-    with live_server(workplace.settings.data, frontend=FRONTEND) as running:
+    with live_server(shared_workplace.settings.data, frontend=FRONTEND) as running:
         games = COLUMN_2.read_text().splitlines()[:N_RANKED]
         running.http.post(
             "/api/behaviours/2/recordings/import", content="\n".join(games)

@@ -24,10 +24,10 @@ from tril.recording import replay
 from tril.store import recordings
 
 
-@pytest.fixture
-def built(workplace: Workplace) -> Iterator[LiveServer]:
+@pytest.fixture(scope="module")
+def built(shared_workplace: Workplace) -> Iterator[LiveServer]:
     """Return a running server with the built pages."""
-    with live_server(workplace.settings.data, frontend=FRONTEND) as running:
+    with live_server(shared_workplace.settings.data, frontend=FRONTEND) as running:
         yield running
 
 
@@ -59,9 +59,11 @@ def shown_on(page: Page) -> npt.NDArray[np.uint8]:
     return np.asarray(Image.open(io.BytesIO(content)).convert("RGB"))
 
 
-def test_every_key_and_press_leads_to_exactly_its_frame(page: Page, workplace: Workplace) -> None:
-    moving = workplace.ranked[3]
-    expected = screens_of(workplace, moving)
+def test_every_key_and_press_leads_to_exactly_its_frame(
+    page: Page, shared_workplace: Workplace
+) -> None:
+    moving = shared_workplace.ranked[3]
+    expected = screens_of(shared_workplace, moving)
     page.goto(f"/recordings/{moving}?frame=100")
     slider = page.get_by_role("slider", name="Position in the recording")
 
@@ -91,7 +93,7 @@ def test_every_key_and_press_leads_to_exactly_its_frame(page: Page, workplace: W
 
 
 def test_the_address_keeps_the_filters_and_a_deletion_of_several_is_undone(
-    page: Page, workplace: Workplace
+    page: Page, shared_workplace: Workplace
 ) -> None:
     cards = page.get_by_role("article")
     expect(cards).to_have_count(4)
@@ -102,7 +104,7 @@ def test_the_address_keeps_the_filters_and_a_deletion_of_several_is_undone(
     page.get_by_role("button", name="Clear the filters").click()
     expect(cards).to_have_count(4)
 
-    first, *_, last = sorted(workplace.ranked)
+    first, *_, last = sorted(shared_workplace.ranked)
     page.get_by_label(f"Select Recording {last}").click()
     page.get_by_label(f"Select Recording {first + 1}").click(modifiers=["Shift"])
     bar = page.get_by_role("group", name="Selected recordings")
@@ -122,8 +124,8 @@ def test_a_card_plays_while_it_is_pointed_at(page: Page) -> None:
     expect(card.get_by_role("img", name="Recording, playing")).to_have_count(0)
 
 
-def test_a_video_and_the_data_are_downloaded(page: Page, workplace: Workplace) -> None:
-    best = workplace.ranked[0]
+def test_a_video_and_the_data_are_downloaded(page: Page, shared_workplace: Workplace) -> None:
+    best = shared_workplace.ranked[0]
     page.get_by_role("link", name=f"Recording {best}", exact=True).click()
     with page.expect_download(timeout=60_000) as download:
         page.get_by_role("button", name="MP4").click()

@@ -26,11 +26,11 @@ SMALL_TARGETS = """() => {
 """The controls that are too low for a finger, or a mouse; links in text may be."""
 
 
-@pytest.fixture
-def compared(workplace: Workplace) -> tuple[str, ...]:
+@pytest.fixture(scope="module")
+def compared(shared_workplace: Workplace) -> tuple[str, ...]:
     """Return two finished runs with curves, one with a long name."""
-    made = tuple(fill_with_results(workplace) for _ in range(2))
-    with workplace.database.writing() as session:
+    made = tuple(fill_with_results(shared_workplace) for _ in range(2))
+    with shared_workplace.database.writing() as session:
         runs.describe(session, made[0], LONG_NAME, "Does it help?")
         for run_id in made:
             for step in range(1, 200):
@@ -38,10 +38,10 @@ def compared(workplace: Workplace) -> tuple[str, ...]:
     return made
 
 
-@pytest.fixture
-def built(workplace: Workplace) -> Iterator[LiveServer]:
+@pytest.fixture(scope="module")
+def built(shared_workplace: Workplace) -> Iterator[LiveServer]:
     """Return a running server with the built pages."""
-    with live_server(workplace.settings.data, frontend=FRONTEND) as running:
+    with live_server(shared_workplace.settings.data, frontend=FRONTEND) as running:
         yield running
 
 

@@ -25,18 +25,18 @@ PATIENCE_MS = 60_000
 """The first decision waits until the networks are loaded."""
 
 
-@pytest.fixture
-def run_id(workplace: Workplace) -> str:
+@pytest.fixture(scope="module")
+def run_id(shared_workplace: Workplace) -> str:
     """Return a finished run of column 1 with policies."""
-    return finished_run(workplace)
+    return finished_run(shared_workplace)
 
 
-@pytest.fixture
-def built(workplace: Workplace, run_id: str) -> Iterator[LiveServer]:
+@pytest.fixture(scope="module")
+def built(shared_workplace: Workplace, run_id: str) -> Iterator[LiveServer]:
     """Return a running server with the built pages, and an inference process beside it."""
     with (
-        running_inference(workplace),
-        live_server(workplace.settings.data, frontend=FRONTEND) as running,
+        running_inference(shared_workplace),
+        live_server(shared_workplace.settings.data, frontend=FRONTEND) as running,
     ):
         yield running
 
@@ -50,7 +50,7 @@ def step_of(page: Page) -> int:
 
 
 def test_an_imitator_is_watched_stepped_and_taken_over(
-    browser: Browser, built: LiveServer, workplace: Workplace, run_id: str
+    browser: Browser, built: LiveServer, shared_workplace: Workplace, run_id: str
 ) -> None:
     with signed_in(browser, built, f"/runs/{run_id}", viewport=DESKTOP) as page:
         page.get_by_role("link", name="Watch the imitator play").click()
@@ -92,7 +92,7 @@ def test_an_imitator_is_watched_stepped_and_taken_over(
             page.get_by_text(f"The imitator of Run {run_id[:6]} played the first")
         ).to_be_visible()
 
-    with workplace.database.reading() as session:
+    with shared_workplace.database.reading() as session:
         row = recordings.get(session, recording_id)
     watched = (before + 1) * FRAMES_PER_STEP
     assert (row.source, row.state, row.verification) == (Source.PERSON, "kept", "verified")

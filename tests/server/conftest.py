@@ -8,30 +8,16 @@ from pathlib import Path
 import pytest
 from starlette.testclient import TestClient
 
-from server import services
-from server.play.replays import ReplayProcess
 from tests.server.clients import build_frontend, signed_in
 from testsupport.live import LiveServer, live_server
+from testsupport.replays import shared_replays
 from testsupport.workplace import Workplace, make_workplace
-
-
-class SharedReplays(ReplayProcess):
-    """One process for all servers of these tests: each would take a second to start its own."""
-
-    def stop(self) -> None:
-        """Leave it to those who come."""
-
-    def end(self) -> None:
-        super().stop()
 
 
 @pytest.fixture(scope="session", autouse=True)
 def _shared_replays() -> Iterator[None]:
-    shared = SharedReplays()
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(services, "ReplayProcess", lambda: shared)
+    with shared_replays():
         yield
-    shared.end()
 
 
 @pytest.fixture

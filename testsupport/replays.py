@@ -1,0 +1,32 @@
+"""One process that replays recordings, for all servers of a test process."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+
+from server import services
+from server.play.replays import ReplayProcess
+
+
+class SharedReplays(ReplayProcess):
+    """One process for all servers: each would take a second to start its own."""
+
+    def stop(self) -> None:
+        """Leave it to the servers that follow."""
+
+    def end(self) -> None:
+        """Stop it."""
+        super().stop()
+
+
+@contextmanager
+def shared_replays() -> Iterator[None]:
+    """Let the servers that are made in a block share a process."""
+    shared = SharedReplays()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(services, "ReplayProcess", lambda: shared)
+        yield
+    shared.end()
