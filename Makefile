@@ -64,10 +64,10 @@ coverage: $(DEV_STAMP) ## run the same and print the coverage; processes that te
 	$(PY) -m pytest -m "not e2e" --numprocesses auto --dist worksteal \
 		--cov=tril --cov=server --cov=trainer --cov=cli --cov-report=term:skip-covered $(ARGS)
 
-# A file at a time in each process, as what a file shows takes seconds to make. With a third process, games and
-# trainings wait for each other on two cores.
+# A file at a time in each process, as what a file shows takes seconds to make; tests/e2e/conftest.py says which files
+# are begun first. With a third process, games and trainings wait for each other on two cores.
 test-e2e: $(DEV_STAMP) frontend ## run the tests in a real browser
-	$(PY) -m pytest -m e2e --numprocesses 2 --dist loadfile $(ARGS)
+	$(PY) -m pytest -m e2e --numprocesses 2 --dist loadfile --no-loadscope-reorder $(ARGS)
 
 screenshots: $(DEV_STAMP) frontend ## take the pictures anew that the pages are compared to
 	TRIL_RENEW_SCREENSHOTS=1 $(PY) -m pytest tests/e2e/test_screenshots.py -k looks_as_it_did $(ARGS)

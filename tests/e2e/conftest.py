@@ -16,6 +16,28 @@ from testsupport.processes import TrilProcess, whole_tril
 from testsupport.replays import shared_replays
 from testsupport.workplace import Workplace, make_workplace
 
+LENGTHY = (
+    "test_screenshots",
+    "test_accessibility",
+    "test_first_visit",
+    "test_other_browsers",
+    "test_main_path",
+    "test_varied_games",
+    "test_playing",
+    "test_comparing",
+)
+"""Files that take longest, in this order: begun last, one of them would run on alone."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Put the lengthy files first."""
+    items.sort(key=lambda item: _position(item.path.stem))
+
+
+def _position(file: str) -> int:
+    return LENGTHY.index(file) if file in LENGTHY else len(LENGTHY)
+
+
 @pytest.fixture(scope="session", autouse=True)
 def _shared_replays() -> Iterator[None]:
     with shared_replays():
