@@ -6,7 +6,7 @@ import atexit
 import shutil
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
@@ -105,15 +105,24 @@ class Workplace:
 
 def make_workplace(folder: Path) -> Workplace:
     """Make a data folder with four short recordings, ranked; made once and copied from then on."""
-    template = _template(on_postgresql())
-    shutil.copytree(template.data, folder, dirs_exist_ok=True)
-    copy_database(template, folder)
-    settings = settings_on(folder, learning_threads=1, learning_niceness=0)
-    database = create_database(settings.application_url)
+    settings, database = _copied(_template(on_postgresql()), folder)
     with database.reading() as session:
         behaviour_id = behaviours.by_slug(session, "column-1").id
         tiers = rankings.current(session, behaviour_id).tiers
     return Workplace(settings, database, behaviour_id, tuple(tier[0] for tier in tiers))
+
+
+def copy_of(template: Workplace, folder: Path) -> Workplace:
+    """Make a data folder like another one, whose database is closed."""
+    settings, database = _copied(template.settings, folder)
+    return replace(template, settings=settings, database=database)
+
+
+def _copied(template: Settings, folder: Path) -> tuple[Settings, Database]:
+    shutil.copytree(template.data, folder, dirs_exist_ok=True)
+    copy_database(template, folder)
+    settings = settings_on(folder, learning_threads=1, learning_niceness=0)
+    return settings, create_database(settings.application_url)
 
 
 @cache

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import atexit
+import shutil
+import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from playwright.sync_api import Page, expect
@@ -13,19 +17,19 @@ from server.web.pages import FRONTEND
 from testsupport.finished_runs import make_finished_run
 from testsupport.live import LiveServer, live_server
 from testsupport.watching import running_inference
-from testsupport.workplace import Workplace, make_workplace
+from testsupport.workplace import Workplace, copy_of, make_workplace
 from tril.store.models import RunStatus
 from tril.store.training import leases
 
 UNCHANGED = """() => new Promise((resolve) => {
-  let timer = setTimeout(resolve, 500);
+  let timer = setTimeout(resolve, 250);
   const observer = new MutationObserver(() => {
     clearTimeout(timer);
-    timer = setTimeout(resolve, 500);
+    timer = setTimeout(resolve, 250);
   });
   observer.observe(document.body, { subtree: true, childList: true });
 })"""
-"""Resolves once nothing was added to the page or removed from it for half a second."""
+"""Resolves once nothing was added to the page or removed from it for a quarter of a second."""
 
 
 @dataclass(frozen=True)
@@ -38,11 +42,33 @@ class EveryPage:
 
 @contextmanager
 def serving_every_page(data: Path) -> Iterator[EveryPage]:
-    """Fill a data folder and serve it for a block."""
-    workplace = make_workplace(data)
+    """Serve a data folder of its own, with everything that the pages show, for a block."""
+    filled = _filled()
+    workplace = copy_of(filled.workplace, data)
+    with (
+        running_inference(workplace),
+        live_server(workplace.settings.data, frontend=FRONTEND) as running,
+    ):
+        yield EveryPage(running, filled.paths)
+    workplace.database.close()
+
+
+@dataclass(frozen=True)
+class _Filled:
+    workplace: Workplace
+    paths: Mapping[str, str]
+
+
+@cache
+def _filled() -> _Filled:
+    """Return a data folder, made once and copied from then on, and the paths of its pages."""
+    folder = Path(tempfile.mkdtemp(prefix="tril-tests-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    workplace = make_workplace(folder)
     done = make_finished_run(workplace)
     stopped = _stopped(workplace)
     waiting = workplace.make_run()
+    workplace.database.close()
     paths = {
         "behaviours": "/",
         "play": "/behaviours/1/play",
@@ -59,12 +85,7 @@ def serving_every_page(data: Path) -> Iterator[EveryPage]:
         "people": "/people",
         "no page": "/nowhere",
     }
-    with (
-        running_inference(workplace),
-        live_server(workplace.settings.data, frontend=FRONTEND) as running,
-    ):
-        yield EveryPage(running, paths)
-    workplace.database.close()
+    return _Filled(workplace, paths)
 
 
 def _stopped(workplace: Workplace) -> str:
