@@ -47,6 +47,7 @@ def signed_in(
     server: LiveServer,
     path: str,
     expected: str | None = None,
+    /,
     **options: Any,
 ) -> Iterator[Page]:
     """Open one of a server's pages for a block; see watched_page.
