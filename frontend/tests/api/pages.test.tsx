@@ -28,13 +28,13 @@ describe("a list of more entries than the server returns at once", () => {
   ] as const)("%s is fetched page by page", async (path, query, cursor) => {
     const asked = serve({ [`GET ${path}`]: page });
     const client = new QueryClient();
-    expect(await client.fetchQuery(query as typeof peopleQuery)).toEqual(ALL);
+    expect(await client.query(query as typeof peopleQuery)).toEqual(ALL);
     expect(asked.map(({ query: given }) => given.get(cursor))).toEqual([null, "200", "400"]);
   });
 
   it("keeps its filter on every page", async () => {
     const asked = serve({ "GET /api/runs": page });
-    await new QueryClient().fetchQuery(runsQuery(3));
+    await new QueryClient().query(runsQuery(3));
     expect(asked.map(({ query }) => query.get("behaviour_id"))).toEqual(["3", "3", "3"]);
   });
 });
