@@ -29,24 +29,23 @@ from tril.store.training.leases import Lease
 FRAMES = 240
 """Length of the test recordings: 60 steps."""
 
-TINY = with_values(
-    FAST,
-    {
-        "name": "tiny",
-        "reward.updates": 4,
-        "reward.folds": 0,
-        "policy.n_envs": 2,
-        "policy.n_steps": 32,
-        "policy.n_minibatches": 1,
-        "policy.n_epochs": 1,
-        "policy.critic_warm_up_steps": 0,
-        "policy.snapshot_steps": (),
-        "policy.snapshot_episodes": 2,
-        "cloning.epochs": 2,
-        "evaluation.start_numbers": (0,),
-        "evaluation.further_start_numbers": (),
-    },
-)
+TINY_VALUES: dict[str, object] = {
+    "name": "tiny",
+    "reward.updates": 4,
+    "reward.folds": 0,
+    "policy.n_envs": 2,
+    "policy.n_steps": 32,
+    "policy.n_minibatches": 1,
+    "policy.n_epochs": 1,
+    "policy.critic_warm_up_steps": 0,
+    "policy.snapshot_steps": (),
+    "policy.snapshot_episodes": 2,
+    "cloning.epochs": 2,
+    "evaluation.start_numbers": (0,),
+    "evaluation.further_start_numbers": (),
+}
+
+TINY = with_values(FAST, TINY_VALUES)
 """A whole run in seconds."""
 
 Play = Callable[[int], Action]

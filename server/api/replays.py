@@ -217,7 +217,12 @@ async def get_attention(
         content = services.replay_cache.get(recording, ReplayTask.OBSERVATIONS)
         observation = read_observation(content, step)
         found = services.inference.attention(
-            str(run_id), observation, network, method, given_up.is_set
+            str(run_id),
+            observation,
+            network,
+            method,
+            given_up.is_set,
+            recording.game.screen.background,
         )
         headers = {} if found.action is None else {ACTION_HEADER: str(int(found.action))}
         return Response(found.values.tobytes(), headers=headers, media_type=_BYTES)

@@ -30,7 +30,6 @@ from tril.exchange.run_archive import EVALUATION, NETWORKS, RANKED, RUN_FILE, UN
 from tril.exchange.run_transfer import ExportedRun, export_run
 from tril.files.artifact_store import ArtifactStore, write_whole
 from tril.games import game_named
-from tril.games.space_invaders.memory import rom_md5
 from tril.recording import Recording
 from tril.store import behaviours, recordings
 from tril.store.database import Database
@@ -184,7 +183,6 @@ def _pages(
         # Longer than any fence that a name may hold.
         "fence": "`" * max(3, 1 + max(map(len, re.findall("`+", "".join(lines))), default=0)),
         "tril": __version__,
-        "rom_md5": rom_md5(),
     }
     drawn = {name: content.decode().partition("<svg")[2] for name, content in figures.items()}
     page = render(

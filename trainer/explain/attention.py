@@ -19,7 +19,6 @@ from trainer.explain.subject import Subject
 from trainer.progress import NullProgress, Progress
 from trainer.reward.model import RewardModel
 from tril.analysis.outcome import AttentionState
-from tril.games.space_invaders.memory import BACKGROUND
 from tril.play.observation import OBSERVATION_SHAPE
 
 POSITIONS = OBSERVATION_SHAPE[1] - PATCH + 1
@@ -80,7 +79,10 @@ def states_at(
 
 
 def attention_map(
-    subject: Subject, observation: npt.NDArray[np.uint8], progress: Progress | None = None
+    subject: Subject,
+    observation: npt.NDArray[np.uint8],
+    progress: Progress | None = None,
+    background: int = 0,
 ) -> npt.NDArray[np.float32]:
     """Return the attention map of a network in one state.
 
@@ -91,6 +93,7 @@ def attention_map(
         subject: What is explained; of a reward model it is its raw R.
         observation: uint8 (4, 84, 84).
         progress: Counts patches.
+        background: Gray of the screen's background, 0 to 255.
 
     Returns:
         float32 (4, 84, 84), non-negative, one map per screen; the published map is their sum.
@@ -103,11 +106,12 @@ def attention_map(
             f"Expected an observation uint8 {OBSERVATION_SHAPE}, got {observation.dtype}"
             f" {observation.shape}."
         )
-    positions = changing_positions(observation)
+    positions = changing_positions(observation, background)
     progress = progress or NullProgress()
     if isinstance(subject, RewardModel):
-        return spread(positions, changes_at(subject, observation, positions, progress))
-    return spread(positions, _brute_force_changes(subject, observation, positions, progress))
+        return spread(positions, changes_at(subject, observation, positions, progress, background))
+    changes = _brute_force_changes(subject, observation, positions, progress, background)
+    return spread(positions, changes)
 
 
 def changes_at(
@@ -115,6 +119,7 @@ def changes_at(
     observation: npt.NDArray[np.uint8],
     positions: npt.NDArray[np.int64],
     progress: Progress,
+    background: int = 0,
 ) -> npt.NDArray[np.float32]:
     """Return the absolute change of R for each patch, float32 (N,).
 
@@ -123,7 +128,7 @@ def changes_at(
     changes = np.empty(len(positions), np.float32)
     with torch.inference_mode():
         pixels = torch.from_numpy(observation.astype(np.float32))
-        outputs = OccludedOutputs(model.network, pixels)
+        outputs = OccludedOutputs(model.network, pixels, background)
         plain = model.of_output(outputs.plain)
         for begin in range(0, len(positions), BATCH):
             part = positions[begin : begin + BATCH]
@@ -138,6 +143,7 @@ def _brute_force_changes(
     observation: npt.NDArray[np.uint8],
     positions: npt.NDArray[np.int64],
     progress: Progress,
+    background: int = 0,
 ) -> npt.NDArray[np.float32]:
     """Return what ``changes_at`` does for any subject, scoring whole observations."""
     changes = np.empty(len(positions), np.float32)
@@ -146,15 +152,17 @@ def _brute_force_changes(
         part = positions[begin : begin + BATCH]
         occluded = np.repeat(observation[None], len(part), axis=0)
         for target, (screen, row, column) in zip(occluded, part.tolist(), strict=True):
-            target[screen, row : row + PATCH, column : column + PATCH] = BACKGROUND
+            target[screen, row : row + PATCH, column : column + PATCH] = background
         changes[begin : begin + BATCH] = np.abs(subject.score(occluded) - plain)
         progress.advance(begin + len(part), len(positions))
     return changes
 
 
-def changing_positions(observation: npt.NDArray[np.uint8]) -> npt.NDArray[np.int64]:
+def changing_positions(
+    observation: npt.NDArray[np.uint8], background: int = 0
+) -> npt.NDArray[np.int64]:
     """Return the patches that change the observation: int64 (N, 3) of screen, row, column."""
-    differs = observation != BACKGROUND
+    differs = observation != background
     windows = np.lib.stride_tricks.sliding_window_view(differs, (PATCH, PATCH), axis=(1, 2))
     return np.argwhere(windows.any(axis=(-2, -1)))
 

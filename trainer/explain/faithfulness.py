@@ -13,7 +13,6 @@ import numpy.typing as npt
 
 from trainer.explain.subject import Subject
 from tril.analysis.outcome import Faithfulness, MeasuredOrder
-from tril.games.space_invaders.memory import BACKGROUND
 from tril.play.observation import Observation
 
 POINTS = 20
@@ -27,9 +26,9 @@ Map = npt.NDArray[np.float32]
 Pixels = npt.NDArray[np.int64]
 
 
-def occupied_pixels(observation: Observation) -> Pixels:
+def occupied_pixels(observation: Observation, background: int = 0) -> Pixels:
     """Return the pixels that are not background in every screen, int64 (N, 2): row and column."""
-    return np.argwhere((observation != BACKGROUND).any(0))
+    return np.argwhere((observation != background).any(0))
 
 
 def order_of(values: Map, pixels: Pixels) -> Pixels:
@@ -38,7 +37,7 @@ def order_of(values: Map, pixels: Pixels) -> Pixels:
 
 
 def differences(
-    subject: Subject, observation: Observation, order: Pixels, *, insert: bool
+    subject: Subject, observation: Observation, order: Pixels, *, insert: bool, background: int = 0
 ) -> npt.NDArray[np.float64]:
     """Return how far the value is from that of the whole state while pixels change in an order.
 
@@ -47,22 +46,30 @@ def differences(
         observation: uint8 (4, 84, 84).
         order: The pixels, the most important first.
         insert: Whether they are put into an empty screen, instead of deleted.
+        background: Gray of the screen's background, 0 to 255.
 
     Returns:
         float64 (POINTS + 1,), non-negative, from no pixels changed to all of them.
     """
     changed = np.repeat(observation[None], POINTS + 1, axis=0)
     if insert:
-        changed[:] = BACKGROUND
-    for one, count in zip(changed, np.linspace(0, len(order), POINTS + 1).astype(int), strict=True):
+        changed[:] = background
+    for target, count in zip(
+        changed, np.linspace(0, len(order), POINTS + 1).astype(int), strict=True
+    ):
         rows, columns = order[:count].T
-        one[:, rows, columns] = observation[:, rows, columns] if insert else BACKGROUND
+        target[:, rows, columns] = observation[:, rows, columns] if insert else background
     values = subject.score(np.concatenate([changed, observation[None]])).astype(np.float64)
     return np.asarray(np.abs(values[:-1] - values[-1]), np.float64)
 
 
 def measure_faithfulness(
-    subject: Subject, observation: Observation, values: Map, scale: float, rng: np.random.Generator
+    subject: Subject,
+    observation: Observation,
+    values: Map,
+    scale: float,
+    rng: np.random.Generator,
+    background: int = 0,
 ) -> Faithfulness | None:
     """Measure a map against random orders.
 
@@ -74,18 +81,24 @@ def measure_faithfulness(
             the best ones end. What changes when everything is hidden is no unit: an empty screen
             may be as good as this one.
         rng: Draws the random orders.
+        background: Gray of the screen's background, 0 to 255.
 
     Returns:
         The measurement; None if the screens are empty.
     """
-    pixels = occupied_pixels(observation)
+    pixels = occupied_pixels(observation, background)
     if not len(pixels):
         return None
     drawn = [rng.permutation(pixels) for _ in range(N_RANDOM)]
     orders = [order_of(values, pixels), *drawn]
-    deleted = [differences(subject, observation, order, insert=False) for order in orders]
-    inserted = [differences(subject, observation, order, insert=True) for order in orders]
-    found = [
+    deleted, inserted = (
+        [
+            differences(subject, observation, order, insert=insert, background=background)
+            for order in orders
+        ]
+        for insert in (False, True)
+    )
+    measured = [
         MeasuredOrder(
             deletion=float(one.mean() / scale),
             insertion=float(other.mean() / scale),
@@ -93,7 +106,7 @@ def measure_faithfulness(
         )
         for one, other in zip(deleted, inserted, strict=True)
     ]
-    return Faithfulness(map=found[0], random=_mean(found[1:]))
+    return Faithfulness(map=measured[0], random=_mean(measured[1:]))
 
 
 def _mean(orders: list[MeasuredOrder]) -> MeasuredOrder:

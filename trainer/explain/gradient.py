@@ -12,16 +12,18 @@ import numpy.typing as npt
 import torch
 
 from trainer.explain.subject import Subject
-from tril.games.space_invaders.memory import BACKGROUND
 from tril.play.observation import check_observations
 
 
-def gradient_map(subject: Subject, observation: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
+def gradient_map(
+    subject: Subject, observation: npt.NDArray[np.uint8], background: int = 0
+) -> npt.NDArray[np.float32]:
     """Return the magnitude of the gradient times the pixel's difference from the background.
 
     Args:
         subject: What is explained, on the CPU; of a reward model it is its raw R.
         observation: uint8 (4, 84, 84).
+        background: Gray of the screen's background, 0 to 255.
 
     Returns:
         float32 (4, 84, 84), non-negative, one map per screen; their sum is shown.
@@ -33,5 +35,5 @@ def gradient_map(subject: Subject, observation: npt.NDArray[np.uint8]) -> npt.ND
     pixels = torch.from_numpy(observation[None].astype(np.float32)).requires_grad_(True)
     with torch.enable_grad():
         (gradient,) = torch.autograd.grad(subject.of_pixels(pixels).sum(), pixels)
-    change = (gradient * (pixels.detach() - BACKGROUND)).abs()
+    change = (gradient * (pixels.detach() - background)).abs()
     return change[0].numpy()

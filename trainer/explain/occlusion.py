@@ -14,7 +14,6 @@ from torch import Tensor
 from torch.nn import functional as F
 
 from trainer.reward.model import RewardNetwork
-from tril.games.space_invaders.memory import BACKGROUND
 
 PATCH = 3
 """Side of the patch, in pixels."""
@@ -41,13 +40,15 @@ class OccludedOutputs:
     Args:
         network: The network; call under torch.inference_mode.
         observation: float32 (4, 84, 84), 0 to 255.
+        background: Gray of the screen's background, 0 to 255.
 
     Attributes:
         plain: The output without a patch, float32 (1,).
     """
 
-    def __init__(self, network: RewardNetwork, observation: Tensor) -> None:
+    def __init__(self, network: RewardNetwork, observation: Tensor, background: int = 0) -> None:
         self._network = network
+        self._background = background
         self._observation = observation
         first = network.first(observation[None])
         activated = F.leaky_relu(first)
@@ -112,7 +113,7 @@ class OccludedOutputs:
         pixels = self._observation[
             screens[:, None, None], in_rows[:, :, None], in_columns[:, None, :]
         ]
-        removed = torch.where(covered, BACKGROUND - pixels, torch.zeros(()))
+        removed = torch.where(covered, self._background - pixels, torch.zeros(()))
         weight = self._network.layers[0].weight / 255.0
         n_outputs, n_screens = weight.shape[:2]
         per_screen = F.conv2d(

@@ -12,7 +12,6 @@ import numpy.typing as npt
 
 from trainer.explain.subject import Subject
 from trainer.progress import NullProgress, Progress
-from tril.games.space_invaders.memory import BACKGROUND
 from tril.play.observation import Observation
 
 SIDE = 9
@@ -28,6 +27,7 @@ def patch_map(
     side: int = SIDE,
     stride: int = STRIDE,
     progress: Progress | None = None,
+    background: int = 0,
 ) -> npt.NDArray[np.float32]:
     """Return a map of the changes where a patch of all four screens becomes background.
 
@@ -37,6 +37,7 @@ def patch_map(
         side: Of a patch, in pixels.
         stride: Pixels from one patch to the next.
         progress: Counts patches.
+        background: Gray of the screen's background, 0 to 255.
 
     Returns:
         float32 (84, 84), non-negative: the mean absolute change over the patches that cover a
@@ -49,7 +50,7 @@ def patch_map(
         (row, column)
         for row in places
         for column in places
-        if (observation[:, row : row + side, column : column + side] != BACKGROUND).any()
+        if (observation[:, row : row + side, column : column + side] != background).any()
     ]
     plain = subject.score(observation[None])[0]
     total = np.zeros((size, size), np.float64)
@@ -57,7 +58,7 @@ def patch_map(
         part = corners[begin : begin + _BATCH]
         occluded = np.repeat(observation[None], len(part), axis=0)
         for target, (row, column) in zip(occluded, part, strict=True):
-            target[:, row : row + side, column : column + side] = BACKGROUND
+            target[:, row : row + side, column : column + side] = background
         changes = np.abs(subject.score(occluded) - plain)
         for change, (row, column) in zip(changes, part, strict=True):
             total[row : row + side, column : column + side] += change

@@ -110,6 +110,7 @@ def read_report(database: Database, store: ArtifactStore, run_id: str) -> RunRep
         files = artifacts.listing(session, run_id)
         # Where the behaviour has targets, they say more.
         scores = scores_of(session, run).means if behaviour.target is None else {}
+    game = game_of(behaviour)
     group = ResultGroup(behaviour, (result,))
     duels = group.duels(recipe_from_dict(run.recipe).evaluation.start_numbers)
     figures: dict[str, Figure] = {}
@@ -134,7 +135,8 @@ def read_report(database: Database, store: ArtifactStore, run_id: str) -> RunRep
         "parent_run_id": run.parent_run_id,
         "verdict": verdict,
         "warning": run.outcome.check.warning if run.outcome.check else "",
-        "items": game_of(behaviour).items,
+        "game": game,
+        "items": game.items,
         "scores": list(scores.items()),
         "duels": duels,
         "group": group,

@@ -126,7 +126,13 @@ class Answers:
             if len(observations) != 1:
                 raise Invalid(f"Expected one observation, got {len(observations)}.")
             subject = self._subject(run_id, header.get("network"), observations[0])
-            values = _attention(subject, header.get("method"), observations[0], progress)
+            values = _attention(
+                subject,
+                header.get("method"),
+                observations[0],
+                _background(header.get("background", 0)),
+                progress,
+            )
             action = subject.action if isinstance(subject, ActionOdds) else None
             return {"action": action}, values.tobytes()
         probabilities = self._probabilities(run_id, header.get("policies"), observations)
@@ -161,15 +167,25 @@ class Answers:
         return self._policies[run_id, kind]
 
 
+def _background(gray: object) -> int:
+    if not isinstance(gray, int) or not 0 <= gray <= 255:
+        raise Invalid(f"Expected 'background' as a gray from 0 to 255, got {gray!r}.")
+    return gray
+
+
 def _attention(
-    subject: Subject, method: object, observation: Observation, progress: Progress
+    subject: Subject,
+    method: object,
+    observation: Observation,
+    background: int,
+    progress: Progress,
 ) -> npt.NDArray[np.float32]:
     """Return a map, float32 (84, 84)."""
     match method:
         case "gradient":
-            return np.asarray(gradient_map(subject, observation).sum(0))
+            return np.asarray(gradient_map(subject, observation, background).sum(0))
         case "occlusion":
-            return np.asarray(attention_map(subject, observation, progress).sum(0))
+            return np.asarray(attention_map(subject, observation, progress, background).sum(0))
         case "patches":
-            return patch_map(subject, observation, progress=progress)
+            return patch_map(subject, observation, progress=progress, background=background)
     raise Invalid(f"There is no method {method!r}; choose gradient, occlusion or patches.")

@@ -160,13 +160,15 @@ class Pipeline:
 
     def _train(self, run_id: str, run_stage: RunStage) -> str:
         with self._database.writing() as session:
-            lease = leases.acquire(session, run_id, self._worker, versions())
+            lease = leases.acquire(session, run_id, self._worker)
         if lease is None:
             log.info("Run %s: nothing to do.", run_id)
             return "nothing to do"
         try:
             self._fetch_checkpoints(run_id)
             context = self._context(lease)
+            with self._database.writing() as session:
+                leases.keep_versions(session, lease, versions(context.game))
         except StoreAway as problem:
             return self._wait_for_store(lease, problem)
         except Exception as problem:

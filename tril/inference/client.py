@@ -138,6 +138,7 @@ class InferenceClient:
         network: AttentionNetwork,
         method: AttentionMethod,
         is_given_up: Callable[[], bool],
+        background: int = 0,
     ) -> AttentionMap:
         """Return the attention map of one of a run's networks.
 
@@ -147,13 +148,20 @@ class InferenceClient:
             network: Whose.
             method: How.
             is_given_up: Whether nobody waits for the map any more; the process then drops it.
+            background: Gray of the game's background, 0 to 255.
 
         Raises:
             NotFound: The run has no such network.
             Unavailable: The process does not reply.
             GivenUp: ``is_given_up`` said so.
         """
-        request = {"op": "attention", "run_id": run_id, "network": network, "method": method}
+        request = {
+            "op": "attention",
+            "run_id": run_id,
+            "network": network,
+            "method": method,
+            "background": background,
+        }
         return AttentionMap.of(*self._exchange(request, _checked(observation[None]), is_given_up))
 
     def _request(self, request: dict[str, Any], body: bytes = b"") -> bytearray:

@@ -14,9 +14,10 @@ Requests, with observations uint8 (N, 4, 84, 84):
   is played by one policy even if a resumed run replaces its file.
 - ``{"op": "scale", "run_id"}`` gives R at which the level is 0 and R at which it is 1, float32
   (2,).
-- ``{"op": "attention", "run_id", "network", "method"}`` gives the attention map of one observation,
-  float32 (84, 84), and in the reply's header the ``action`` that a policy would choose, null of a
-  reward model. The work ends when the client disconnects.
+- ``{"op": "attention", "run_id", "network", "method", "background"}`` gives the attention map of
+  one observation, float32 (84, 84), and in the reply's header the ``action`` that a policy would
+  choose, null of a reward model. ``background`` is the gray of the game's screen, 0 to 255. The
+  work ends when the client disconnects.
 
 A reply is ``{"ok": true}`` with the values or ``{"ok": false, "kind", "detail"}``.
 """

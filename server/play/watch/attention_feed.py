@@ -67,6 +67,7 @@ class AttentionFeed:
                     found = await self._client.attention(
                         "reward" if watched == "reward" else lane.game.actor.policy,
                         lane.game.observation,
+                        lane.game.episode.game.screen.background,
                     )
                 except TrilError as error:
                     # The map is left out; whether the games can go on is for their actions to say.

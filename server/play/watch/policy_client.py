@@ -64,12 +64,21 @@ class PolicyClient:
         _, values = await self._ask({"op": "judge"}, observations)
         return Judgement.of(np.frombuffer(values, np.float32).reshape(2, len(observations)))
 
-    async def attention(self, network: AttentionNetwork, observation: Observation) -> AttentionMap:
+    async def attention(
+        self, network: AttentionNetwork, observation: Observation, background: int
+    ) -> AttentionMap:
         """Return what a network looks at in an observation, uint8 (4, 84, 84), by the gradient.
+
+        The background is the gray of the game's.
 
         Raises as ``act``.
         """
-        request = {"op": "attention", "network": network, "method": "gradient"}
+        request = {
+            "op": "attention",
+            "network": network,
+            "method": "gradient",
+            "background": background,
+        }
         return AttentionMap.of(*await self._ask(request, observation[None]))
 
     def close(self) -> None:

@@ -18,6 +18,7 @@ from trainer.explain.attention import (
 )
 from trainer.explain.gradient import gradient_map
 from trainer.explain.occlusion import PATCH
+from trainer.explain.patches import patch_map
 from trainer.progress import NullProgress
 from trainer.reward.model import RewardModel, RewardNetwork
 from tril.games.space_invaders import SPACE_INVADERS
@@ -42,12 +43,15 @@ def game_observation() -> npt.NDArray[np.uint8]:
 
 
 def _occluded_changes(
-    model: RewardModel, observation: npt.NDArray[np.uint8], positions: npt.NDArray[np.int64]
+    model: RewardModel,
+    observation: npt.NDArray[np.uint8],
+    positions: npt.NDArray[np.int64],
+    background: int = 0,
 ) -> npt.NDArray[np.float32]:
     """|R(occluded) - R| by the definition: each occluded observation is scored as a whole."""
     occluded = np.repeat(observation[None], len(positions), axis=0)
     for target, (screen, row, column) in zip(occluded, positions, strict=True):
-        target[screen, row : row + PATCH, column : column + PATCH] = 0
+        target[screen, row : row + PATCH, column : column + PATCH] = background
     plain = model.score(observation[None])
     changes: npt.NDArray[np.float32] = np.abs(model.score(occluded) - plain)
     return changes
@@ -65,7 +69,8 @@ def test_the_map_equals_brute_force(game_observation: npt.NDArray[np.uint8]) -> 
     np.testing.assert_allclose(found, expected, rtol=1e-3, atol=2e-4 * expected.max())
 
 
-def test_patches_anywhere_change_what_occlusion_changes() -> None:
+@pytest.mark.parametrize("background", [0, 107])
+def test_patches_anywhere_change_what_occlusion_changes(background: int) -> None:
     model = _model()
     rng = np.random.default_rng(3)
     noise = rng.integers(0, 256, (4, 84, 84), dtype=np.uint8)
@@ -73,8 +78,8 @@ def test_patches_anywhere_change_what_occlusion_changes() -> None:
         (s, r, c) for s in range(4) for r in (0, 1, 5, 76, 78, 81) for c in (0, 2, 6, 77, 78, 81)
     ]
     positions = np.array([*edges, *rng.integers(0, (4, 82, 82), (200, 3)).tolist()])
-    expected = _occluded_changes(model, noise, positions)
-    found = changes_at(model, noise, positions, NullProgress())
+    expected = _occluded_changes(model, noise, positions, background)
+    found = changes_at(model, noise, positions, NullProgress(), background)
     np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-2 * expected.max())
 
 
@@ -97,9 +102,13 @@ def test_the_gradients_map_is_the_change_per_pixel_where_r_is_linear(
         assert quick[place] == pytest.approx(per_pixel, abs=0.1 * float(quick.max()))
 
 
-def test_an_empty_screen_has_no_attention() -> None:
-    assert not attention_map(_model(), np.zeros((4, 84, 84), np.uint8)).any()
-    assert not gradient_map(_model(), np.zeros((4, 84, 84), np.uint8)).any()
+@pytest.mark.parametrize("background", [0, 107])
+def test_an_empty_screen_has_no_attention(background: int) -> None:
+    empty = np.full((4, 84, 84), background, np.uint8)
+    model = _model()
+    assert not attention_map(model, empty, background=background).any()
+    assert not gradient_map(model, empty, background).any()
+    assert not patch_map(model, empty, background=background).any()
 
 
 def test_only_patches_that_change_something_are_tried() -> None:

@@ -69,7 +69,9 @@ def test_a_true_map_beats_random_orders_and_a_false_one_does_not(observation: Ob
     assert false.map.deletion < false.random.deletion < true.map.deletion
 
 
-def test_empty_screens_have_no_measure() -> None:
-    observation = np.zeros((4, 84, 84), np.uint8)
+@pytest.mark.parametrize("background", [0, 107])
+def test_empty_screens_have_no_measure(background: int) -> None:
+    observation = np.full((4, 84, 84), background, np.uint8)
     rng = np.random.default_rng(0)
-    assert measure_faithfulness(SumOfBlock(), observation, the_true_map(), WHOLE, rng) is None
+    subject, values = SumOfBlock(), the_true_map()
+    assert measure_faithfulness(subject, observation, values, WHOLE, rng, background) is None

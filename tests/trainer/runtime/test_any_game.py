@@ -7,7 +7,7 @@ import threading
 import numpy as np
 import pytest
 
-from testsupport.workplace import Workplace
+from testsupport.workplace import TINY_VALUES, Workplace
 from trainer.runtime.pipeline import Pipeline
 from tril.demonstrators.varied import play_varied
 from tril.games import game_named
@@ -19,22 +19,7 @@ from tril.store.training import evaluations, runs
 
 TINY_PAPER = with_values(
     PAPER,
-    {
-        "name": "tiny-paper",
-        "reward.updates": 4,
-        "reward.folds": 0,
-        "policy.n_envs": 2,
-        "policy.n_steps": 32,
-        "policy.n_minibatches": 1,
-        "policy.n_epochs": 1,
-        "policy.critic_warm_up_steps": 0,
-        "policy.snapshot_steps": (),
-        "policy.snapshot_episodes": 2,
-        "policy.demonstration_share": 0.5,
-        "cloning.epochs": 1,
-        "evaluation.start_numbers": (0,),
-        "evaluation.further_start_numbers": (),
-    },
+    TINY_VALUES | {"name": "tiny-paper", "policy.demonstration_share": 0.5, "cloning.epochs": 1},
 )
 
 SETTINGS = {
@@ -74,3 +59,4 @@ def test_a_run_in_an_environment_is_learned_and_evaluated(workplace: Workplace, 
     with workplace.database.reading() as session:
         evaluated = evaluations.listing(session, run_id)
     assert evaluated
+    assert workplace.run(run_id).versions["game_version"] == game.version

@@ -76,7 +76,7 @@ def some_observations(n: int, seed: int = 0) -> Observations:
 
 
 def sparse_observations(n: int) -> Observations:
-    observations = np.zeros((n, 4, 84, 84), np.uint8)
+    observations = np.full((n, 4, 84, 84), BACKGROUND, np.uint8)
     observations[:, :, 40:46, 30:36] = some_observations(n)[:, :, 40:46, 30:36]
     return observations
 
@@ -305,10 +305,13 @@ def framed(header: object) -> bytes:
     return struct.pack("<I", len(text)) + text
 
 
+BACKGROUND = 107
+"""Of Pong's screen."""
+
 MAPS: dict[AttentionMethod, Callable[[Subject, Observation], npt.NDArray[np.float32]]] = {
-    "gradient": lambda subject, state: gradient_map(subject, state).sum(0),
-    "occlusion": lambda subject, state: attention_map(subject, state).sum(0),
-    "patches": patch_map,
+    "gradient": lambda subject, state: gradient_map(subject, state, BACKGROUND).sum(0),
+    "occlusion": lambda subject, state: attention_map(subject, state, background=BACKGROUND).sum(0),
+    "patches": lambda subject, state: patch_map(subject, state, background=BACKGROUND),
 }
 
 
@@ -323,7 +326,7 @@ def test_attention_is_that_of_the_model(
     run_id = run_with_model(workplace, store, tmp_path)
     (observation,) = sparse_observations(1)
     with serving(workplace):
-        found = client.attention(run_id, observation, "reward", method, lambda: False)
+        found = client.attention(run_id, observation, "reward", method, lambda: False, BACKGROUND)
     np.testing.assert_allclose(
         found.values, MAPS[method](a_reward_model(), observation), rtol=1e-4, atol=1e-7
     )
@@ -343,9 +346,9 @@ def test_a_policys_attention_is_that_of_the_action_it_would_choose(
     policy = keep_policy(workplace, store, run_id, "clone", tmp_path, seed=3)
     (observation,) = sparse_observations(1)
     with serving(workplace):
-        found = client.attention(run_id, observation, "clone", method, lambda: False)
+        found = client.attention(run_id, observation, "clone", method, lambda: False, BACKGROUND)
         with pytest.raises(NotFound):
-            client.attention(run_id, observation, "imitator", method, lambda: False)
+            client.attention(run_id, observation, "imitator", method, lambda: False, BACKGROUND)
     assert found.action == policy.probabilities(observation[None])[0].argmax()
     expected = MAPS[method](ActionOdds.of_choice(policy, observation), observation)
     np.testing.assert_allclose(found.values, expected, rtol=1e-4, atol=1e-7)
@@ -362,7 +365,7 @@ def test_attention_that_nobody_waits_for_is_dropped_by_both_ends(
     run_id = run_with_model(workplace, store, tmp_path)
     stopped = threading.Event()
 
-    def endless(model: object, observation: object, progress: Progress) -> None:
+    def endless(model: object, observation: object, progress: Progress, *_: object) -> None:
         try:
             while True:
                 progress.advance(0, 1)

@@ -29,6 +29,7 @@ from trainer.reward.model import RewardModel
 from trainer.runtime.pipeline import LEASE_LOST, LEFT
 from tril.cores import core_count
 from tril.files.artifact_store import ArtifactStore
+from tril.games.space_invaders import SPACE_INVADERS
 from tril.games.space_invaders.ends import Ending, EndReason
 from tril.jobs import Jobs, overall_progress
 from tril.jobs.delivery import LOST_AFTER_S
@@ -103,7 +104,8 @@ def test_a_run_goes_through_all_stages_and_leaves_its_results(
         assert overall_progress(session, row) == 1.0
     assert row.remaining_s is None
     assert row.versions["torch"]
-    assert row.versions["rom_md5"]
+    assert row.versions["game"] == SPACE_INVADERS.name
+    assert row.versions["game_version"] == SPACE_INVADERS.version
     assert row.versions["reward_inference"]
     check_results(workplace, row)
 

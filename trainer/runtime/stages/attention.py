@@ -64,9 +64,11 @@ def _draw_state(
 ) -> None:
     observation = data.ranked_trajectories[state.trajectory].observations[state.step]
     model = data.reward_model
-    maps = attention_map(model, observation, progress)
     number = data.snapshot.ranked[state.trajectory]
-    screen = screen_at(data.recordings([number])[number], state.step)
+    recording = data.recordings([number])[number]
+    background = recording.game.screen.background
+    maps = attention_map(model, observation, progress, background)
+    screen = screen_at(recording, state.step)
     name = f"attention-{state.name.replace(' ', '-')}"
     details = AttentionDetails(
         state=state.name,
@@ -74,7 +76,7 @@ def _draw_state(
         recording_id=number,
         step=state.step,
         faithfulness=measure_faithfulness(
-            model, observation, maps.sum(0), model.one - model.zero, rng
+            model, observation, maps.sum(0), model.one - model.zero, rng, background
         ),
     ).model_dump(mode="json")
     files = {

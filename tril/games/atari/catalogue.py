@@ -49,6 +49,7 @@ class Entry:
         rom: Name of its ROM, e.g. "ms_pacman".
         md5: MD5 of the ROM that was surveyed.
         screen: Height and width in pixels.
+        background: Gray that most of the screen has when play begins.
         pal: Whether its colours are those of PAL, else those of NTSC.
         actions: Names of its actions.
         modes: Modes of the cartridge.
@@ -62,6 +63,7 @@ class Entry:
     rom: str
     md5: str
     screen: tuple[int, int]
+    background: int
     pal: bool
     actions: tuple[str, ...]
     modes: tuple[int, ...]
@@ -96,6 +98,7 @@ def entries() -> Mapping[str, Entry]:
             rom=rom,
             md5=one["md5"],
             screen=tuple(one["screen"]),
+            background=one["background"],
             pal=one["pal"],
             actions=tuple(one["actions"]),
             modes=tuple(one["modes"]),

@@ -81,6 +81,7 @@ def _game(entry: Entry) -> Game:
             palette=palette_rgb(entry.pal),
             grayscale=palette_grayscale(entry.pal),
             hidden=tuple(Rectangle(*area) for area in entry.hidden),
+            background=entry.background,
             pixel_aspect=PIXEL_ASPECT,
         ),
         ends=ENDS,

@@ -23,7 +23,7 @@ import numpy.typing as npt
 from ale_py.roms import get_all_rom_ids
 
 from tril.games.atari.catalogue import CATALOGUE, rom_md5, rom_path
-from tril.games.atari.palette import palette_rgb
+from tril.games.atari.palette import palette_grayscale, palette_rgb
 
 NOOP = ale_py.Action.NOOP
 FRAMES_HELD = 8
@@ -308,6 +308,7 @@ def entry_of(rom: str) -> dict[str, Any]:
     return {
         "md5": rom_md5(rom),
         "screen": [height, width],
+        "background": background_of(subject, pal=not is_ntsc),
         "pal": not is_ntsc,
         "actions": subject.names,
         "modes": subject.modes,
@@ -318,6 +319,12 @@ def entry_of(rom: str) -> dict[str, Any]:
         "score": score,
         "life": lives,
     }
+
+
+def background_of(subject: Subject, *, pal: bool) -> int:
+    """Return the gray that most of the screen shows."""
+    grays = palette_grayscale(pal)[subject.ale.getScreen()]
+    return int(np.bincount(grays.reshape(-1)).argmax())
 
 
 def _inside(box: Box, other: Box) -> bool:

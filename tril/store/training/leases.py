@@ -47,16 +47,13 @@ class Lease:
     epoch: int
 
 
-def acquire(
-    session: Session, run_id: str, worker: str, versions: Mapping[str, str] | None = None
-) -> Lease | None:
+def acquire(session: Session, run_id: str, worker: str) -> Lease | None:
     """Lease a run to a worker.
 
     Args:
         session: The transaction.
         run_id: The run.
         worker: Name of the worker, which no other living process has.
-        versions: What the run will be made with.
 
     Returns:
         None if the run is over, deleted, or leased to another living worker.
@@ -74,7 +71,7 @@ def acquire(
     if row.status == RunStatus.CANCELLING:
         _end(session, row, RunStatus.CANCELLED, CANCELLED_MESSAGE)
         return None
-    row.status, row.worker, row.versions = RunStatus.RUNNING, worker, dict(versions or {})
+    row.status, row.worker = RunStatus.RUNNING, worker
     row.heartbeat_at, row.message = database_now(session), ""
     row.started_at = row.started_at or row.heartbeat_at
     return Lease(run_id, worker, row.epoch)
@@ -85,6 +82,11 @@ def owned(session: Session, lease: Lease) -> RunRow:
     row = _checked(_locked(session, lease.run_id), lease)
     note_change(session, "run", lease.run_id)
     return row
+
+
+def keep_versions(session: Session, lease: Lease, versions: Mapping[str, str]) -> None:
+    """Keep what the run is made with; raises LeaseLost unless the lease still holds."""
+    owned(session, lease).versions = dict(versions)
 
 
 def is_cancelling(session: Session, lease: Lease) -> bool:

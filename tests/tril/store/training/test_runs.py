@@ -154,9 +154,11 @@ def test_a_parent_that_can_not_be_continued_is_refused_with_what_to_do(
 def test_only_one_worker_gets_a_run(workplace: Workplace) -> None:
     run_id = workplace.make_run()
     with workplace.database.writing() as session:
-        assert leases.acquire(session, run_id, "worker-0", VERSIONS) is not None
+        lease = leases.acquire(session, run_id, "worker-0")
+        assert lease is not None
+        leases.keep_versions(session, lease, VERSIONS)
     with workplace.database.writing() as session:
-        assert leases.acquire(session, run_id, "worker-1", VERSIONS) is None
+        assert leases.acquire(session, run_id, "worker-1") is None
     assert workplace.run(run_id).worker == "worker-0"
     assert workplace.run(run_id).versions == VERSIONS
 
