@@ -1,20 +1,8 @@
-import { pixelPath } from "@/lib/pixels";
-
-// prettier-ignore
-const LINES = [
-  "...##...",
-  "..####..",
-  ".######.",
-  "##.##.##",
-  "########",
-  "..#..#..",
-  ".#.##.#.",
-  "#.#..#.#",
-];
+import { pixelPath, SIGN } from "@/lib/pixels";
 
 /** The sign of Tril. */
 export function Logo({ scale = 2 }: { scale?: number }) {
-  const side = LINES.length;
+  const side = SIGN.length;
   return (
     <svg
       viewBox={`0 0 ${side} ${side}`}
@@ -24,7 +12,7 @@ export function Logo({ scale = 2 }: { scale?: number }) {
       shapeRendering="crispEdges"
       aria-hidden="true"
     >
-      <path d={pixelPath(LINES, 0, 0)} />
+      <path d={pixelPath(SIGN, 0, 0)} />
     </svg>
   );
 }

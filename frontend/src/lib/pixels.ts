@@ -11,3 +11,16 @@ export function pixelPath(lines: readonly string[], x: number, y: number): strin
   });
   return path;
 }
+
+/** The sign of Tril. */
+// prettier-ignore
+export const SIGN: readonly string[] = [
+  "...##...",
+  "..####..",
+  ".######.",
+  "##.##.##",
+  "########",
+  "..#..#..",
+  ".#.##.#.",
+  "#.#..#.#",
+];

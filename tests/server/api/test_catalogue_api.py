@@ -26,7 +26,7 @@ def test_all_games_are_there_in_order_of_their_titles_while_nobody_has_played(
 
 def test_a_game_says_all_that_its_page_needs(client: TestClient) -> None:
     pong = client.get("/api/catalogue/games/pong").json()
-    assert pong["buttons"] == ["left", "right", "fire"]
+    assert pong["buttons"] == ["down", "up", "fire"]
     assert len(pong["held"]) == len(pong["actions"])
     assert set(pong["default_keys"].values()) == set(pong["buttons"])
     assert pong["pixel_aspect"] == pytest.approx(12 / 7)

@@ -79,8 +79,7 @@ def played_by(
 
 
 def towards(height: float) -> Callable[[dict[str, tuple[float, float]]], str]:
-    """Pong's paddle goes up by "right" and down by "left"."""
-    return lambda places: "right" if places["player"][1] > height else "left"
+    return lambda places: "up" if places["player"][1] > height else "down"
 
 
 def level(places: dict[str, tuple[float, float]]) -> str:

@@ -61,7 +61,7 @@ def _game(entry: Entry) -> Game:
     def console(game: Game, start_cache: StartCache) -> AtariConsole:
         return AtariConsole(game, rom_path(entry.rom), Intro(**intro), start_cache)
 
-    controls = joystick(entry.actions)
+    controls = joystick(entry.actions, turned=entry.rom in _TURNED)
     known = _known_things().get(entry.rom, {})
     return Game(
         name=entry.rom,
@@ -93,6 +93,9 @@ def _game(entry: Entry) -> Game:
         tallies={name: Tally(**tally) for name, tally in known.get("tallies", {}).items()},
     )
 
+
+_TURNED = frozenset({"pong"})
+"""Games whose paddle goes down by left and up by right."""
 
 LEG_STEPS = 6
 """Longest leg of an opening: three of them take 1.2 s at most."""

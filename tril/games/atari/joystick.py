@@ -32,18 +32,27 @@ _KEYS = {
 }
 
 
-def joystick(actions: Sequence[str]) -> Controls:
+_TURNED = {"left": "down", "right": "up"}
+"""What left and right are where they move things down and up, as in Pong."""
+
+
+def joystick(actions: Sequence[str], *, turned: bool = False) -> Controls:
     """Return the controls of actions named as the emulator does, e.g. "UPRIGHTFIRE".
 
     Where nothing is above, the keys for up fire, too.
+
+    Args:
+        actions: Their names.
+        turned: Whether left moves things down on the screen, and right up.
     """
-    needed = [button for button in BUTTONS if any(button.upper() in name for name in actions)]
-    keys = {key: button for button in needed for key in _KEYS[button]}
-    if "fire" in needed and "up" not in needed:
+    needed = _needed(actions)
+    buttons = [_TURNED.get(button, button) for button in needed] if turned else needed
+    keys = {key: button for button in buttons for key in _KEYS[button]}
+    if "fire" in buttons and "up" not in buttons:
         keys |= dict.fromkeys(_KEYS["up"], "fire")
     return Controls(
         actions=tuple(actions),
-        buttons=tuple(needed),
+        buttons=tuple(buttons),
         held=tuple(_held(needed, name) for name in actions),
         default_keys=keys,
     )
@@ -52,9 +61,13 @@ def joystick(actions: Sequence[str]) -> Controls:
 def reduced_action(controls: Controls, name: str) -> int:
     """Return the action of a game for any of a joystick's: its own, or what is left of it.
 
-    What a game has no action for does nothing in it, such as up in Pong.
+    What a game has no action for does nothing in it, such as the emulator's UP in Pong.
     """
-    return controls.action_for(_held(controls.buttons, name))
+    return controls.action_for(_held(_needed(controls.actions), name))
+
+
+def _needed(actions: Sequence[str]) -> list[str]:
+    return [button for button in BUTTONS if any(button.upper() in name for name in actions)]
 
 
 def _held(buttons: Sequence[str], name: str) -> int:

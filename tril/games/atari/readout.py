@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from tril.games.base import Console, End, EndKind, EndRule, JsonObject, Taken
+from tril.games.base import Console, End, EndKind, EndRule, JsonObject
+from tril.games.plain_readout import PlainReadout
 
 LIFE = EndRule("life", "when a life is lost")
 OVER = EndRule("over", "when the game is over")
@@ -14,18 +15,12 @@ ENDS = (
 )
 
 
-class AtariReadout:
-    """Follows one episode.
-
-    Attributes:
-        taken: Nothing: what can be taken is known to a game's own module.
-        counters: Nothing.
-    """
+class AtariReadout(PlainReadout):
+    """Follows one episode and its count of lives."""
 
     def __init__(self, console: Console, end_rule: str) -> None:
         """Begin at a start."""
-        self.taken: list[Taken] = []
-        self.counters: dict[str, int] = {}
+        super().__init__(console, end_rule)
         self._ends_at_life = end_rule == LIFE.name
         self._lives = console.lives
 
@@ -35,11 +30,7 @@ class AtariReadout:
         self._lives = lives
         if self._ends_at_life and lives < before:
             return "life"
-        return "over" if console.over else None
-
-    def marks(self, console: Console) -> bytes:
-        """Return nothing: there is no overlay."""
-        return b""
+        return super().update(console, frame)
 
     def save(self) -> JsonObject:
         """Return the state."""

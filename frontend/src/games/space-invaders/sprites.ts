@@ -1,5 +1,5 @@
 /** The sprites of the aliens, drawn for this page. */
-import { pixelPath } from "@/lib/pixels";
+import { pixelPath, SIGN } from "@/lib/pixels";
 
 /** One sprite per row, bottom row first; 8x8 pixels. */
 // prettier-ignore
@@ -24,16 +24,7 @@ const SPRITES: readonly (readonly string[])[] = [
     ".#.##.#.",
     "#......#",
   ],
-  [
-    "...##...",
-    "..####..",
-    ".######.",
-    "##.##.##",
-    "########",
-    "..#..#..",
-    ".#.##.#.",
-    "#.#..#.#",
-  ],
+  SIGN,
   [
     "#......#",
     ".#.##.#.",

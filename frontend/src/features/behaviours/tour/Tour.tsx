@@ -12,7 +12,7 @@ const steps = () =>
   [
     {
       title: t`Play`,
-      text: t`Choose a behaviour and play it for twenty seconds: arrows move, space fires. Play some games badly on purpose, since what is worse teaches as much as what is better.`,
+      text: t`Choose a behaviour and play it: its keys are listed beside the game. Play some games badly on purpose, since what is worse teaches as much as what is better.`,
     },
     {
       title: t`Keep`,

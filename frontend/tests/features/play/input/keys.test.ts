@@ -97,7 +97,7 @@ describe("the key map", () => {
 
   it("is kept for each set of buttons, and that of the first version stays", () => {
     expect(keysSetting(SPACE_INVADERS).key).toBe("tril.play.keys");
-    expect(keysSetting(PONG).key).toBe("tril.play.keys");
+    expect(keysSetting(PONG).key).toBe("tril.play.keys.down,up,fire");
     expect(keysSetting(CART_POLE).key).toBe("tril.play.keys.push left,push right");
     expect(keysSetting(MS_PACMAN).read(DEFAULT_KEYS)).toBeNull();
   });
