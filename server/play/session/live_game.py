@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from server.play.conditions import PlayConditions
+from server.play.session.frame_cost import FrameCost
 from server.play.session.rewind import Checkpoints
 from server.play.wire.messages import all_hits, greeting, hits_after, outcome
 from server.play.wire.protocol import Ended, Hello, HitMessage, Rewound
+from server.play.wire.scene import Scene
 from tril.games.base import Console
 from tril.games.behaviours import Behaviour
 from tril.play.episode import Episode
@@ -45,6 +47,8 @@ class LiveGame:
     def __post_init__(self) -> None:
         """Take the game for saved as it is."""
         self._saved = self.episode.actions
+        self._cost = FrameCost()
+        self._before_frame: Progress | None = None
 
     @property
     def episode(self) -> Episode:
@@ -56,12 +60,26 @@ class LiveGame:
         """Whether frames were played that are not saved."""
         return bool(self.episode.actions != self._saved)
 
-    def advance(self, buttons: int) -> list[HitMessage]:
-        """Execute one frame with these buttons held, as bits; returns what was taken in it."""
+    async def advance(self, buttons: int) -> tuple[list[HitMessage], Scene]:
+        """Execute one frame with these buttons held, as bits.
+
+        Returns:
+            What was taken in it, and what the page is shown.
+        """
+        if self._cost.is_slow:
+            # What is saved while a thread executes the frame is the game before it.
+            self._before_frame = self.progress()
+        try:
+            return await self._cost.execute(lambda: self._advance(buttons))
+        finally:
+            self._before_frame = None
+
+    def _advance(self, buttons: int) -> tuple[list[HitMessage], Scene]:
         n_taken = len(self.episode.taken)
         self.checkpoints.add_if_due(self.episode)
         self.recorder.advance(self.episode.game.controls.action_for(buttons))
-        return hits_after(self.info.behaviour, self.episode, n_taken)
+        hits = hits_after(self.info.behaviour, self.episode, n_taken)
+        return hits, Scene.of(self.episode)
 
     def rewind(self, recorder: Recorder, recording_id: int) -> tuple[Rewound, Console]:
         """Continue from an earlier frame.
@@ -84,7 +102,7 @@ class LiveGame:
 
     def progress(self) -> Progress:
         """Return what there is to save."""
-        return self._progress(self.recorder, self.conditions)
+        return self._before_frame or self._progress(self.recorder, self.conditions)
 
     def progress_after_rewind(self, recorder: Recorder) -> Progress:
         """Return what there is to save once the game continues with this recorder."""

@@ -330,10 +330,11 @@ class PlaySession:
 
     async def _tick(self, connection: Connection) -> None:
         """Execute and show one frame."""
-        for hit in self.game.advance(connection.take_buttons()):
+        hits, scene = await self.game.advance(connection.take_buttons())
+        for hit in hits:
             await connection.send(hit)
-        if not await self._show():
-            self.game.conditions.dropped.append(self.game.episode.frame)
+        if self.connection is None or not await self.connection.show(scene):
+            self.game.conditions.dropped.append(scene.frame)
 
     async def _show(self) -> bool:
         """Send the screen; returns whether there is a page that is not too far behind."""

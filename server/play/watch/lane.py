@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from server.play.session.frame_cost import FrameCost
 from server.play.watch.messages import LaneEnded, LaneHit, lane_ended, lane_hits_after
 from server.play.watch.policy_game import PolicyGame
 from server.play.watch.watch_socket import LaneSocket, WatchSocket
@@ -28,12 +29,17 @@ class Lane:
         self.game = game
         self.connection = Connection(LaneSocket(socket, number))
         self._behaviour = behaviour
+        self._cost = FrameCost()
 
-    def advance(self) -> list[LaneHit]:
-        """Execute one frame; returns what was taken in it."""
-        n_taken = len(self.game.episode.taken)
+    async def advance(self) -> tuple[list[LaneHit], Scene]:
+        """Execute one frame; returns what was taken in it, and what the page is shown."""
+        return await self._cost.execute(self._advance)
+
+    def _advance(self) -> tuple[list[LaneHit], Scene]:
+        episode = self.game.episode
+        n_taken = len(episode.taken)
         self.game.advance()
-        return lane_hits_after(self.number, self._behaviour, self.game.episode, n_taken)
+        return lane_hits_after(self.number, self._behaviour, episode, n_taken), Scene.of(episode)
 
     def ended(self) -> LaneEnded:
         """Return the last message of the game, which is over."""

@@ -207,9 +207,10 @@ class WatchSession:
     async def _tick(self) -> None:
         """Execute and show one frame of each game that is not over."""
         for lane in self._in_play:
-            for hit in lane.advance():
+            hits, scene = await lane.advance()
+            for hit in hits:
                 await self.socket.say(hit)
-            await lane.show()
+            await lane.connection.show(scene)
             if lane.game.is_over:
                 await self.socket.say(lane.ended())
             # Other games of the process may have frames that are due.

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import io
+import threading
+import time
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -11,14 +14,18 @@ from PIL import Image
 
 from server.play.wire.protocol import Countdown, Ended, Hello
 from tests.server.clients import replayed, stored
+from tests.server.play.slow_env import NAME as SLOW
+from tests.server.play.slow_env import STEP_S
 from testsupport.live import LiveServer
 from testsupport.space_invaders import Keys
+
+NUMBERS = count(1)
 
 
 def new_game(live: LiveServer, name: str) -> dict[str, Any]:
     """Begin a game of a new behaviour of this game."""
     answer = live.http.post(
-        "/api/behaviours", json={"name": f"A behaviour of {name}"[:60], "game": name}
+        "/api/behaviours", json={"name": f"Behaviour {next(NUMBERS)}", "game": name}
     )
     assert answer.status_code == 201, answer.text
     return live.new_game(answer.json()["id"])
@@ -65,3 +72,34 @@ def test_an_environment_that_cannot_be_played_is_refused_with_the_reason(live: L
     answer = live.http.post("/api/behaviours", json={"name": "Swing", "game": "gym:Pendulum-v1"})
     assert answer.status_code == 422
     assert "discrete actions" in answer.text
+
+
+def test_a_slow_environment_does_not_hold_up_other_games(live: LiveServer) -> None:
+    slow_game, other_game = new_game(live, SLOW), live.new_game(1)
+    over = threading.Event()
+    n_slow: list[float] = []
+
+    def play_slowly() -> None:
+        with live.play(slow_game) as player:
+            player.begin()
+            while not over.is_set():
+                player.until_frame(len(n_slow) + 1)
+                n_slow.append(time.monotonic())
+
+    thread = threading.Thread(target=play_slowly)
+    thread.start()
+    try:
+        with live.play(other_game) as player:
+            player.begin()
+            player.until_frame(30)
+            began, shown = len(n_slow), [time.monotonic()]
+            while shown[-1] < shown[0] + 3.0:
+                player.next()
+                shown.append(time.monotonic())
+            n_steps = len(n_slow) - began
+    finally:
+        over.set()
+        thread.join(20.0)
+    assert n_steps >= 10
+    # In the event loop, each slow step would be a gap of its own length.
+    assert (np.diff(shown) >= 0.9 * STEP_S).sum() < n_steps / 2
