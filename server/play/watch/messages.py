@@ -249,7 +249,7 @@ class LaneAttention(Message):
 
 
 class LaneHit(HitAt):
-    """An alien was shot; ``targets`` and ``strays`` so far, None without a target."""
+    """An item was taken; ``targets`` and ``strays`` so far, None without a target."""
 
     type: Literal["hit"] = "hit"
     lane: int

@@ -6,7 +6,7 @@ import { Link, NavLink, useSearchParams } from "react-router";
 
 import { behaviourQuery, behavioursQuery } from "@/api/behaviours";
 import { gameQuery } from "@/games/catalogue";
-import { isNotFound } from "@/api/client";
+import { isNotFound, messageOf } from "@/api/client";
 import { runsQuery } from "@/api/runs";
 import type { Behaviour } from "@/api/types";
 import { ButtonLink } from "@/components/controls/Button";
@@ -57,6 +57,27 @@ export function BehaviourFrame({ behaviourId, looking = false, children }: Behav
   }
   if (error && !behaviour) {
     return <Failed what={t`The behaviour`} error={error} onRetry={() => void refetch()} />;
+  }
+  if (behaviour && isNotFound(taught.error) && !game) {
+    return (
+      <Empty
+        level="h1"
+        title={behaviour.name}
+        actions={
+          <ButtonLink to="/">
+            <Trans>All behaviours</Trans>
+          </ButtonLink>
+        }
+      >
+        <p>
+          <Trans>
+            Its game {behaviour.game} is not installed here. Games and trainings are kept, and can
+            be opened again once it is.
+          </Trans>
+        </p>
+        <p>{messageOf(taught.error)}</p>
+      </Empty>
+    );
   }
   if (behaviour && taught.error && !game) {
     return (
