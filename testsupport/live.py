@@ -40,7 +40,6 @@ from testsupport.databases import settings_on
 from testsupport.space_invaders import Keys
 from testsupport.visitors import cookie_of
 from tril.games.base import Screen
-from tril.games.space_invaders.memory import SCREEN_SHAPE
 from tril.settings import Settings
 from tril.store import recordings
 from tril.store.database import Database, create_database
@@ -156,7 +155,7 @@ class GameClient:
     acknowledges: bool = True
     screens: dict[int, Screen] = field(default_factory=dict)
     frames: list[FrameMessage] = field(default_factory=list)
-    _decoder: FrameDecoder = field(default_factory=lambda: FrameDecoder(SCREEN_SHAPE))
+    _decoder: FrameDecoder = field(init=False)
     _inputs: int = 0
 
     def next(self, timeout_s: float = TIMEOUT_S) -> FrameMessage | ServerMessage:

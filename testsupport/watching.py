@@ -28,7 +28,6 @@ from trainer.runtime.answers import Models
 from trainer.runtime.inference import LocalServer, TcpServer, new_server
 from tril.files.artifact_store import ArtifactStore
 from tril.games.base import Screen
-from tril.games.space_invaders.memory import SCREEN_SHAPE
 from tril.recipes import Recipe
 from tril.settings import Settings
 from tril.store.models import RunStatus
@@ -114,7 +113,10 @@ class Watcher:
                 return message
         lane, frame = data[0], parse_frame(data[1:])
         self.frames.setdefault(lane, []).append(frame)
-        decoder = self._decoders.setdefault(lane, FrameDecoder(SCREEN_SHAPE))
+        hello = self.said[0]
+        channels = (3,) if hello["palette"] is None else ()
+        shape = (hello["height"], hello["width"], *channels)
+        decoder = self._decoders.setdefault(lane, FrameDecoder(shape))
         self.screens.setdefault(lane, {})[frame.frame] = decoder.decode(frame.encoded)
         if self.acknowledges:
             self.socket.send(bytes((lane,)) + client_bytes(AckMessage(frame.sequence)))

@@ -59,7 +59,7 @@ def list_behaviours(as_json: JsonOption = False) -> None:
         table.add_column(title, justify="right")
     for entry in entries:
         target = entry["target"]
-        cells = "none" if target is None else f"{len(target)} aliens"  # type: ignore[arg-type]
+        cells = "none" if target is None else f"{len(target)} items"  # type: ignore[arg-type]
         order = ", in order" if entry["ordered"] else ""
         numbers = (str(entry[key]) for key in ("recordings", "ranked", "perfect", "runs"))
         table.add_row(str(entry["slug"]), str(entry["name"]), cells + order, *numbers)
@@ -72,7 +72,7 @@ def add(
     description: Annotated[str, typer.Option(help="What a perfect game looks like.")] = "",
     target: Annotated[
         list[str] | None,
-        typer.Option(help="A target alien as ROW,COLUMN counted from 1, row 1 at the bottom."),
+        typer.Option(help="A target item as ROW,COLUMN counted from 1, row 1 at the bottom."),
     ] = None,
     ordered: Annotated[bool, typer.Option(help="Targets have to be hit in this order.")] = False,
     game: Annotated[str, typer.Option(help="As `tril games list` names it.")] = DEFAULT_GAME,

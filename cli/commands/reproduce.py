@@ -19,9 +19,7 @@ from cli.workspace import Workspace, open_workspace
 from tril.demonstrators import KINDS, SCRIPTED, kind_named
 from tril.errors import Invalid
 from tril.files.artifact_store import ArtifactStore, write_whole
-from tril.games import game_named
-from tril.games.space_invaders import SPACE_INVADERS
-from tril.games.space_invaders.behaviours import BUILT_IN
+from tril.games import game_named, game_of, published
 from tril.recipes import FAST, PAPER, RECIPES, Recipe, judged_where_trained, recipe_from_dict
 from tril.store import behaviours
 from tril.store.models import RunRow, RunStatus
@@ -41,7 +39,7 @@ SCORE_ALONE = (
     " and --page-only."
 )
 
-_BEHAVIOURS = {one.slug: one for one in BUILT_IN}
+_BEHAVIOURS = {one.slug: one for one in published()}
 
 
 def reproduce(
@@ -140,7 +138,7 @@ def reproduce(
                 folder = _write_scores(workspace, run_id, output)
                 console.print(f"Results: {folder}", soft_wrap=True)
         return
-    chosen = chosen_recipe(recipe, value, SPACE_INVADERS)
+    chosen = chosen_recipe(recipe, value, game_of(published()[0]))
     slugs = behaviour or list(_BEHAVIOURS)
     if unknown := [slug for slug in slugs if slug not in _BEHAVIOURS]:
         raise typer.BadParameter(

@@ -35,7 +35,7 @@ class Texts:
     welcome: str = "Welcome to Tril"
     invited_researcher: str = "You are invited to teach and rank here, as a researcher."
     invited_player: str = (
-        "You are invited to play Space Invaders: <strong>{behaviour}</strong>. Your games are "
+        "You are invited to play a game: <strong>{behaviour}</strong>. Your games are "
         "recorded, and an agent may learn from them."
     )
     present: str = (
@@ -78,7 +78,7 @@ _GERMAN = Texts(
     "jemand eingeladen hat, bitte um einen Link.",
     welcome="Willkommen bei Tril",
     invited_researcher="Du bist eingeladen, hier zu lehren und zu ordnen, als forschende Person.",
-    invited_player="Du bist eingeladen, Space Invaders zu spielen: <strong>{behaviour}</strong>. "
+    invited_player="Du bist eingeladen, ein Spiel zu spielen: <strong>{behaviour}</strong>. "
     "Deine Spiele werden aufgezeichnet, und ein Agent kann von ihnen lernen.",
     present="Dieser Browser ist schon als {player} angemeldet. Wenn du weitermachst, bist danach "
     "du angemeldet.",

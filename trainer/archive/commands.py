@@ -9,8 +9,8 @@ from typing import Any
 from tril.demonstrators import SCRIPTED
 from tril.exchange.formats.run_file import RunObject
 from tril.exchange.run_archive import RANKED, UNRANKED
+from tril.games import published
 from tril.games.behaviours import Behaviour
-from tril.games.space_invaders.behaviours import BUILT_IN
 from tril.recipes import RECIPES, changed_values, recipe_from_dict
 
 
@@ -26,7 +26,7 @@ def commands(run: RunObject, behaviour: Behaviour) -> list[str]:
     options += ["--training-seed", str(run.training_seed)]
     if recipe.name in RECIPES:
         options += _set(changed_values(recipe, RECIPES[recipe.name]))
-    is_built_in = behaviour.slug in {one.slug for one in BUILT_IN}
+    is_built_in = behaviour.slug in {one.slug for one in published()}
     if run.example and is_built_in:
         kind = run.example_kind
         demonstrations = [] if kind == SCRIPTED.name else ["--demonstrations", kind]

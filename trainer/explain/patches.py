@@ -1,7 +1,7 @@
 """Attention maps by larger patches, in all four screens at once.
 
-A patch of 3x3 pixels rarely hides an alien, which is 8 to 16 pixels wide on the console's screen,
-and never one that the other three screens still show. Where a network reads several pixels
+A patch of 3x3 pixels rarely hides a whole thing of a game, 8 to 16 pixels wide on the console's
+screen, and never one that the other three screens still show. Where a network reads several pixels
 together, hiding them one by one changes little.
 """
 
@@ -15,7 +15,7 @@ from trainer.progress import NullProgress, Progress
 from tril.play.observation import Observation
 
 SIDE = 9
-"""Side of the patches that the page offers, in pixels: a little larger than an alien."""
+"""Side of the patches that the page offers, in pixels: a little larger than most things."""
 STRIDE = 3
 
 _BATCH = 128

@@ -76,7 +76,7 @@ class LedgerGame(NamedTuple):
     Attributes:
         start: Number of the evaluation start.
         held_out: Whether no demonstration began from that start.
-        hits: The aliens hit, in order of time.
+        hits: The items taken, in order of time.
         steps: Length of the game.
         died: Whether it ended by a hit on the player.
         predicted_return: Sum of R over its observations, if it was computed.

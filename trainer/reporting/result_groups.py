@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from trainer.reporting.digests import changed_recipe, recipe_digest
 from trainer.reporting.ledger import Entry, LedgerCell, LedgerGame
 from tril.analysis.summary import Interval, interquartile_interval, nested_interval, winner
+from tril.games import published
 from tril.games.base import Cell
 from tril.games.behaviours import Behaviour
-from tril.games.space_invaders.behaviours import BUILT_IN
 from tril.recipes import RECIPES
 
-PLACES = {behaviour.slug: place for place, behaviour in enumerate(BUILT_IN)}
+PLACES = {behaviour.slug: place for place, behaviour in enumerate(published())}
 
 
 @dataclass(frozen=True)
@@ -137,7 +137,8 @@ def group_results(entries: Iterable[Entry]) -> list[ResultGroup]:
         place, changed = PLACES[cell.behaviour], cell.digest != built_in[cell.recipe]
         key = (place, cell.steps, cell.recipe, changed, cell.digest, cell.demonstrations)
         found.setdefault(key, []).append(entry)
-    return [ResultGroup(BUILT_IN[key[0]], tuple(found[key])) for key in sorted(found)]
+    behaviours = published()
+    return [ResultGroup(behaviours[key[0]], tuple(found[key])) for key in sorted(found)]
 
 
 def over_behaviours(

@@ -27,8 +27,8 @@ from trainer.reporting.skilled_games import QUANTITIES, Experiment, tau_of
 from tril.analysis.outcome import AttentionState
 from tril.demonstrators import KINDS, SCRIPTED
 from tril.files.artifact_store import write_whole
+from tril.games import published
 from tril.games.behaviours import score
-from tril.games.space_invaders.behaviours import BUILT_IN
 from tril.play.agent import STICKY_ACTION_PROBABILITY
 from tril.recipes import RECIPES, EvaluationRecipe
 from tril.store.training.evaluations import POLICIES
@@ -226,11 +226,12 @@ def _own_starts(folder: Path, entries: Sequence[Entry]) -> list[StartsRow]:
             found.setdefault(key, {})[cell.own_starts[0]] = entry
     rows = []
     for (place, *_), by_start in sorted(found.items()):
-        groups = {n: ResultGroup(BUILT_IN[place], (entry,)) for n, entry in by_start.items()}
-        none = Duel(BUILT_IN[place], 0, None, None)
+        behaviour = published()[place]
+        groups = {n: ResultGroup(behaviour, (entry,)) for n, entry in by_start.items()}
+        none = Duel(behaviour, 0, None, None)
         duels = [groups[n].duels([n])[0] if n in groups else none for n in STARTS]
         entry = next(iter(by_start.values()))
-        rows.append(StartsRow(BUILT_IN[place].name, entry, duels, _pages(folder, by_start)))
+        rows.append(StartsRow(behaviour.name, entry, duels, _pages(folder, by_start)))
     return rows
 
 

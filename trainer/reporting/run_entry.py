@@ -111,5 +111,5 @@ def describe_example(outcome: RunOutcome) -> str:
 
 
 def cells(row: RecordingRow) -> tuple[Cell, ...]:
-    """Return the aliens hit in a recording, in order of time."""
+    """Return the items taken in a recording, in order of time."""
     return cells_of(row)

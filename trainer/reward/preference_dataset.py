@@ -25,7 +25,7 @@ class ObservedTrajectory:
 
     Attributes:
         observations: uint8 (N, 4, 84, 84), 0 to 255, one per step.
-        hits: The aliens shot, in order of time.
+        hits: The items taken, in order of time.
     """
 
     observations: npt.NDArray[np.uint8]

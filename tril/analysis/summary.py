@@ -42,7 +42,7 @@ class GameFigures:
 
     @property
     def perfect(self) -> bool | None:
-        """Whether all targets were hit, in order, no other alien was, and the player survived."""
+        """Whether all targets were hit, in order, no other item was, and the player survived."""
         if self.targets is None or self.n_targets is None:
             return None
         flaws = (self.strays or 0) + (self.order_errors or 0) + self.died

@@ -26,7 +26,7 @@ class PlannedGame:
 
     Attributes:
         plan_number: Number of its plan, 1 being the best.
-        hits: The aliens hit as (row, column), in order of time.
+        hits: The items taken as (row, column), in order of time.
         end: Why it ended, None if it was quit.
     """
 
@@ -121,7 +121,7 @@ def merit(behaviour: Behaviour, hits: tuple[Cell, ...], end: str | None) -> tupl
 
     Args:
         behaviour: A behaviour with target cells.
-        hits: The aliens hit as (row, column), in order of time.
+        hits: The items taken as (row, column), in order of time.
         end: Why the game ended, None if it was quit.
     """
     found = score(behaviour, hits)

@@ -9,7 +9,7 @@ import numpy as np
 
 from tril.demonstrators import N_PERFECT, Demonstration, make_example
 from tril.exchange.formats.recording_file import dump_recording
-from tril.games.space_invaders.behaviours import BUILT_IN
+from tril.games import published
 
 
 def demonstration_object(demonstration: Demonstration, tier: int | None = None) -> dict[str, Any]:
@@ -33,7 +33,7 @@ def demonstration_object(demonstration: Demonstration, tier: int | None = None) 
 
 def main() -> None:
     """Make the demonstrations of a built-in behaviour and print each when it is done."""
-    behaviours = {behaviour.slug: behaviour for behaviour in BUILT_IN}
+    behaviours = {behaviour.slug: behaviour for behaviour in published()}
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("behaviour", choices=list(behaviours))
     parser.add_argument("--perfect", type=int, default=N_PERFECT, help="how many perfect ones")

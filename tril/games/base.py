@@ -64,7 +64,7 @@ class End:
     Attributes:
         name: Its name in recordings and files, e.g. "landed".
         kind: Its meaning outside of the game.
-        sentence: What happened, e.g. "the aliens landed".
+        sentence: What happened, e.g. "the ball was missed".
     """
 
     name: str
@@ -350,7 +350,7 @@ class Console(Protocol):
 
 @dataclass(frozen=True)
 class Taken:
-    """An item that was taken: an alien shot, a brick broken, a dot eaten.
+    """An item that was taken: a brick broken, a dot eaten.
 
     Attributes:
         row: From 0 at the bottom of the game's grid of items.
@@ -377,9 +377,9 @@ class ItemGrid:
     Attributes:
         rows: Number of rows; row 0 is at the bottom.
         columns: Number of columns; column 0 is at the left.
-        singular: One of them, e.g. "alien".
-        plural: Several, e.g. "aliens".
-        verb: What taking one is called, in the infinitive, e.g. "hit".
+        singular: One of them, e.g. "brick".
+        plural: Several, e.g. "bricks".
+        verb: What taking one is called, in the infinitive, e.g. "break".
         row_colours: Colour of each row from the bottom, e.g. "#869e30"; none for the page's own.
     """
 
@@ -491,7 +491,7 @@ class Game:
     """A game that can be taught.
 
     Attributes:
-        name: Its name in rows, files and URLs, e.g. "space_invaders" or "gym:CartPole-v1".
+        name: Its name in rows, files and URLs, e.g. "breakout" or "gym:CartPole-v1".
         title: Its name for people.
         version: What a replay depends on: the MD5 of the ROM, or the package's version.
         clock: Its time.

@@ -102,7 +102,7 @@ def proposed_games(
 
     They are greedy and sticky ones, which show what the imitator does at its best and where it
     doesn't recover, spread evenly over action selections, targets and strays, or over the number of
-    aliens hit for a behaviour without target cells. Where all of them are perfect, which teaches
+    items taken for a behaviour without target cells. Where all of them are perfect, which teaches
     nothing, sampled ones that are not are added. A later run that learns from a game takes its
     start for seen, so some starts are kept for its headline figures.
 
