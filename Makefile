@@ -7,6 +7,8 @@ PY := $(VENV)/bin/python
 PIP := $(PY) -m pip --disable-pip-version-check
 NPM := $(abspath scripts/with_node.sh) npm
 PIP_AUDIT ?= pip-audit
+# Runs what failed once more, alone, and fails if it fails again.
+RUN_TESTS := scripts/run_tests.sh $(PY)
 
 # Stamps of the last successful installs.
 RUN_STAMP := $(VENV)/.installed
@@ -55,7 +57,7 @@ frontend: $(PAGE) ## build the page
 test: test-frontend test-unit test-e2e ## run all tests
 
 test-unit: $(DEV_STAMP) ## run the Python tests that need no browser
-	$(PY) -m pytest -m "not e2e" --numprocesses auto --dist worksteal $(ARGS)
+	$(RUN_TESTS) -m "not e2e" --numprocesses auto --dist worksteal $(ARGS)
 
 test-postgres: $(DEV_STAMP) ## run the same on PostgreSQL, with a server that the tests start
 	$(PY) -m pytest -m "not e2e" --database postgresql --numprocesses auto --dist worksteal $(ARGS)
@@ -67,7 +69,7 @@ coverage: $(DEV_STAMP) ## run the same and print the coverage; processes that te
 # A file at a time in each process, as what a file shows takes seconds to make; tests/e2e/conftest.py says which files
 # are begun first. With a third process, games and trainings wait for each other on two cores.
 test-e2e: $(DEV_STAMP) frontend ## run the tests in a real browser
-	$(PY) -m pytest -m e2e --numprocesses 2 --dist loadfile --no-loadscope-reorder $(ARGS)
+	$(RUN_TESTS) -m e2e --numprocesses 2 --dist loadfile --no-loadscope-reorder $(ARGS)
 
 screenshots: $(DEV_STAMP) frontend ## take the pictures anew that the pages are compared to
 	TRIL_RENEW_SCREENSHOTS=1 $(PY) -m pytest tests/e2e/test_screenshots.py -k looks_as_it_did $(ARGS)
