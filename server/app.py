@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from functools import cache
 from pathlib import Path
 
 from fastapi import APIRouter, Depends, FastAPI
 from fastapi.routing import APIRoute
 from starlette.middleware import Middleware
+from starlette.routing import BaseRoute
 
 from server.api import (
     artifacts,
@@ -73,7 +75,7 @@ def create_app(
         docs_url=None,
         redoc_url=None,
         openapi_url="/api/openapi.json",
-        generate_unique_id_function=_operation_id,
+        routes=_routes(),
         middleware=[
             *([Middleware(TrustedProxies, settings=settings)] if settings.proxies else []),
             Middleware(SecurityHeaders),
@@ -87,10 +89,17 @@ def create_app(
     problems.install(app, SECURITY_HEADERS)
     submissions.install(app)
     app.add_exception_handler(RankingConflict, rankings.on_conflict)
-    app.include_router(_api(), dependencies=[Depends(permissions.check_permission)])
     # The pages get only what no route matches, so that a wrong method answers 405.
     app.router.default = Pages(Frontend(frontend))
     return app
+
+
+@cache
+def _routes() -> list[BaseRoute]:
+    """Build the routes, which takes half a second, once for all applications of this process."""
+    app = FastAPI(openapi_url=None, generate_unique_id_function=_operation_id)
+    app.include_router(_api(), dependencies=[Depends(permissions.check_permission)])
+    return app.router.routes
 
 
 def _api() -> APIRouter:

@@ -8,16 +8,39 @@ from pathlib import Path
 import pytest
 from starlette.testclient import TestClient
 
+from server import services
+from server.play.consoles import ConsolePool
+from server.play.hub import N_SPARE_CONSOLES
 from tests.server.clients import build_frontend, signed_in
-from testsupport.live import LiveServer, live_server
+from testsupport.live import QUICK, LiveServer, live_server
 from testsupport.replays import shared_replays
 from testsupport.workplace import Workplace, make_workplace
 
 
+class SharedConsoles(ConsolePool):
+    """One pool for all servers of these tests: each would load up to six consoles, 0.15 s each."""
+
+    def start(self) -> None:
+        """They are loaded already."""
+
+    def stop(self) -> None:
+        """Leave them to those who come."""
+
+    def begin(self) -> None:
+        super().start()
+
+    def end(self) -> None:
+        super().stop()
+
+
 @pytest.fixture(scope="session", autouse=True)
-def _shared_replays() -> Iterator[None]:
-    with shared_replays():
+def _shared_by_servers() -> Iterator[None]:
+    consoles = SharedConsoles(QUICK.max_games + N_SPARE_CONSOLES)
+    consoles.begin()
+    with shared_replays(), pytest.MonkeyPatch.context() as patch:
+        patch.setattr(services, "ConsolePool", lambda _n_ahead: consoles)
         yield
+    consoles.end()
 
 
 @pytest.fixture
