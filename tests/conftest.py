@@ -12,6 +12,7 @@ if "PYTEST_XDIST_WORKER" in os.environ:
     os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import pytest
+from hypothesis import settings
 
 from testsupport.databases import on_postgresql, settings_on
 from testsupport.postgres import cluster
@@ -52,8 +53,11 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Tell the processes that tests start which database was chosen."""
+    """Tell the processes that tests start which database was chosen; prepare Hypothesis."""
     os.environ["TESTS_DATABASE"] = config.getoption("--database")
+    # Beside other tests an example may take any time.
+    settings.register_profile("tests", deadline=None)
+    settings.load_profile("tests")
 
 
 def lengthy_first(items: list[pytest.Item], n_processes: int) -> list[pytest.Item]:

@@ -23,9 +23,7 @@ from tril.recording import (
     verify,
 )
 
-short_plays = settings(
-    max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+short_plays = settings(max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture])
 starts = st.builds(AtariStart, st.integers(0, 127), difficulty=st.integers(0, 1))
 # Actions held for a while, as people hold keys, so that something happens in a short game.
 held_actions = st.lists(

@@ -171,7 +171,6 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
 @schema.parametrize()
 @settings(
     max_examples=EXAMPLES,
-    deadline=None,
     derandomize=True,
     database=None,
     suppress_health_check=list(HealthCheck),

@@ -422,7 +422,6 @@ def test_no_console_is_held_by_two_or_lost_in_any_order() -> None:
         settings=settings(
             max_examples=25,
             stateful_step_count=25,
-            deadline=None,
             suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
             derandomize=True,
         ),

@@ -85,9 +85,7 @@ VALUES = st.fixed_dictionaries(
 
 
 @pytest.mark.filterwarnings("ignore:You have specified a mini-batch size")
-@settings(
-    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
-)
+@settings(max_examples=40, suppress_health_check=[HealthCheck.too_slow], derandomize=True)
 @given(
     values=VALUES,
     rewards=st.sampled_from(["varied", "constant", "none"]),

@@ -168,7 +168,7 @@ def test_a_huge_tier_of_bad_games_does_not_crowd_out_the_others() -> None:
     st.lists(st.integers(0, 5), min_size=4, max_size=14),
     st.lists(st.tuples(st.integers(0, 6), st.integers(0, 6)), min_size=16, max_size=16),
 )
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_places_and_tiers_are_in_the_ranking_and_in_order(
     tier_of: list[int], hit: list[tuple[int, int]]
 ) -> None:

@@ -120,7 +120,7 @@ anything = st.one_of(
 )
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=400)
 @given(
     st.dictionaries(st.sampled_from(MEMBERS), anything, max_size=3),
     st.dictionaries(st.sampled_from(["idle_frames", "mode", "difficulty", "x"]), anything),
@@ -216,7 +216,7 @@ def test_numbers_in_the_conditions_stay_as_they_are(
     assert isinstance(given.conditions["delay_s"], float)
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(
     st.builds(AtariStart, st.integers(0, 127), difficulty=st.integers(0, 1)),
     st.lists(st.sampled_from(Action), min_size=1, max_size=20),
@@ -498,7 +498,6 @@ def test_a_file_without_line_ends_is_not_read_into_memory() -> None:
     assert line.refusal == "The line is longer than 5000 bytes."
 
 
-@settings(deadline=None)
 @given(st.lists(st.integers(0, 300), max_size=8), st.integers(20, 120))
 def test_lines_are_the_same_whatever_the_pieces_they_are_read_in(
     lengths: list[int], limit: int
