@@ -27,10 +27,13 @@ def run_tests(folder: Path, *arguments: str, **files: str) -> subprocess.Complet
     (folder / "pytest.ini").write_text("[pytest]\naddopts = -ra")
     for name, text in files.items():
         (folder / f"{name}.py").write_text(text)
-    command = [ROOT / "scripts/run_tests.sh", sys.executable]
-    options = ["--numprocesses", "2", "--dist", "worksteal"]
+    options = ["--numprocesses", "2", "--dist", "worksteal", *arguments]
     return subprocess.run(
-        [*command, *options, *arguments], cwd=folder, capture_output=True, text=True, check=False
+        [str(ROOT / "scripts/run_tests.sh"), sys.executable, *options],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
     )
 
 
