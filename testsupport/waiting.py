@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 
 PATIENCE_S = 300.0
-LOOK_EVERY_S = 0.02
+LOOK_EVERY_S = 0.05
 
 
 def wait_until(

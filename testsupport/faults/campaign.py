@@ -117,7 +117,7 @@ class _Campaign:
         return [
             Librarian(*common, seeds[0]),
             Player(*common, seeds[1]),
-            Trainer(self._workplace, self._plan.steps, self._plan.runs_at_once, *common, seeds[2]),
+            Trainer(self._workplace, self._plan, *common, seeds[2]),
         ]
 
     def _hurt(self, kind: str, number: int) -> None:
@@ -167,10 +167,11 @@ class _Campaign:
             for member in self._target.members:
                 if not member.is_alive:
                     member.start()
+            # The last takes most: a client of its own, fifty times a second.
             return (
-                all(map(serves, self._servers))
+                all(beats(member.pid) for member in self._target.members)
                 and judges()
-                and all(beats(member.pid) for member in self._target.members)
+                and all(map(serves, self._servers))
             )
 
         wait_until(everything, RECOVERS_WITHIN_S, self._logs)

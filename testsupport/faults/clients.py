@@ -18,6 +18,7 @@ from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidSta
 
 from server.play.wire.protocol import Close, Ended, FrameMessage, Hello, Paused
 from testsupport.faults.history import History, Kind, Request
+from testsupport.faults.plan import Plan
 from testsupport.live import GameClient, join
 from testsupport.space_invaders import Keys
 from testsupport.workplace import Workplace
@@ -308,18 +309,14 @@ class Trainer(Client):
 
     Args:
         workplace: Where the runs' behaviour is.
-        steps: PPO steps of a run, to draw from.
-        at_once: How many runs there are to be that are not over.
+        plan: How many runs there are, and of how many PPO steps.
         *arguments: As for Client.
     """
 
-    def __init__(
-        self, workplace: Workplace, steps: Sequence[int], at_once: int, *arguments: Any
-    ) -> None:
+    def __init__(self, workplace: Workplace, plan: Plan, *arguments: Any) -> None:
         super().__init__(*arguments)
         self._workplace = workplace
-        self._steps = steps
-        self._at_once = at_once
+        self._plan = plan
         self.run_ids: list[str] = []
 
     def _act(self) -> None:
@@ -335,7 +332,7 @@ class Trainer(Client):
         runs: dict[str, str] = known.answer
         active = [run_id for run_id, status in runs.items() if status in NOT_OVER]
         over = [run_id for run_id in runs if run_id not in active]
-        if len(active) < self._at_once:
+        if len(active) < self._plan.runs_at_once and len(self.run_ids) < self._plan.n_runs:
             self._create()
         for run_id in over:
             if runs[run_id] in {RunStatus.CANCELLED, RunStatus.FAILED}:
@@ -372,7 +369,7 @@ class Trainer(Client):
         return True
 
     def _create(self) -> None:
-        began_s, steps = time.monotonic(), int(self._rng.choice(self._steps))
+        began_s, steps = time.monotonic(), int(self._rng.choice(self._plan.steps))
         try:
             run_id = self._workplace.make_run(steps=steps)
         except SQLAlchemyError as problem:

@@ -29,6 +29,7 @@ class Plan:
         steps: PPO steps of the runs to draw from: a run of seconds, and one that is longer than
             most faults.
         runs_at_once: How many runs there are to be that are not over.
+        n_runs: How many runs are started at most.
     """
 
     n_faults: int
@@ -43,6 +44,7 @@ class Plan:
     most_s: float = float("inf")
     steps: tuple[int, ...] = (256, 4096)
     runs_at_once: int = 2
+    n_runs: float = float("inf")
 
 
 @dataclass
