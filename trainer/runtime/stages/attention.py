@@ -15,6 +15,7 @@ from trainer.reporting.figures import attention_picture, frame_picture
 from trainer.reporting.run_report import write_report
 from trainer.runtime.run_data import RunData
 from tril.analysis.outcome import AttentionDetails, RewardPercentiles, RewardState
+from tril.games.base import Console
 from tril.play.episode import Episode
 from tril.recording import Recording, replay
 
@@ -34,9 +35,10 @@ def draw_attention(data: RunData, progress: Progress) -> None:
     _keep_percentiles(data, rewards)
     states = pick_states(rewards)
     rng = np.random.default_rng([data.context.run.training_seed, _ORDERS_STREAM])
+    console = data.context.game.make_console()
     for index, state in enumerate(states):
         part = ScaledProgress(progress, index / len(states), (index + 1) / len(states))
-        _draw_state(data, state, rng, part)
+        _draw_state(data, state, console, rng, part)
     _sum_up(data)
 
 
@@ -60,7 +62,11 @@ def _keep_percentiles(data: RunData, rewards: Sequence[npt.NDArray[np.float32]])
 
 
 def _draw_state(
-    data: RunData, state: NamedState, rng: np.random.Generator, progress: Progress
+    data: RunData,
+    state: NamedState,
+    console: Console,
+    rng: np.random.Generator,
+    progress: Progress,
 ) -> None:
     observation = data.ranked_trajectories[state.trajectory].observations[state.step]
     model = data.reward_model
@@ -68,7 +74,7 @@ def _draw_state(
     recording = data.recordings([number])[number]
     background = recording.game.screen.background
     maps = attention_map(model, observation, progress, background)
-    screen = screen_at(recording, state.step)
+    screen = screen_at(recording, state.step, console)
     name = f"attention-{state.name.replace(' ', '-')}"
     details = AttentionDetails(
         state=state.name,
@@ -91,10 +97,9 @@ def _draw_state(
         data.context.save_artifact(kind, file_name, media_type, content, details)
 
 
-def screen_at(recording: Recording, step: int) -> npt.NDArray[np.uint8]:
+def screen_at(recording: Recording, step: int, console: Console) -> npt.NDArray[np.uint8]:
     """Return the screen, uint8 (height, width, 3) RGB, that a step of a recording ended on."""
     game = recording.game
-    console = game.make_console()
     found: list[npt.NDArray[np.uint8]] = []
 
     def look(episode: Episode) -> None:
