@@ -20,7 +20,7 @@ def s3_elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TRIL_ARTIFACTS_URL", "s3://bucket/prefix")
     for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
         monkeypatch.setenv(name, "tests")
-    monkeypatch.setitem(artifact_store.S3_OPTIONS["client_options"], "timeout", "3s")
+    monkeypatch.setitem(artifact_store.S3_OPTIONS["client_options"], "timeout", "2s")
 
 
 def file_of_a_run(workplace: Workplace) -> int:

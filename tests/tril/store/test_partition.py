@@ -43,7 +43,7 @@ def server(network: Network) -> Iterator[PostgresMember]:
     made = PostgresMember(place, network.command("database"), network.address("database"))
     made.start()
     yield made
-    made.stop()
+    made.kill()  # stopped, it would wait for what is still asked
     shutil.rmtree(folder)
 
 
