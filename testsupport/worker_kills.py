@@ -100,6 +100,17 @@ def curves_of(workplace: Workplace, run_id: str) -> Series:
         return metrics.series(session, run_id)[1]
 
 
+def curve_flaws(workplace: Workplace, run_id: str, untouched: str) -> list[str]:
+    """Compare the curves of a run with those of one that nothing happened to."""
+    ours, theirs = curves_of(workplace, run_id), curves_of(workplace, untouched)
+    return [
+        f"The curve {stage}.{name} is {ours.get(stage, {}).get(name)}, not {points}."
+        for stage, series in theirs.items()
+        for name, points in series.items()
+        if name != "steps_per_s" and ours.get(stage, {}).get(name) != points
+    ]
+
+
 def flaws(workplace: Workplace, run_id: str, untouched: str) -> list[str]:
     """Compare a run with one of the same making that nothing happened to; returns what is wrong.
 
@@ -107,18 +118,11 @@ def flaws(workplace: Workplace, run_id: str, untouched: str) -> list[str]:
     bit, whatever happened on the way.
     """
     row, other = workplace.run(run_id), workplace.run(untouched)
-    found = []
+    found = curve_flaws(workplace, run_id, untouched)
     if row.status != RunStatus.DONE:
         found.append(f"The run is {row.status}: {row.message}")
     if set(row.finished_stages) != set(other.finished_stages):
         found.append(f"Its stages are {sorted(row.finished_stages)}.")
-    ours, theirs = curves_of(workplace, run_id), curves_of(workplace, untouched)
-    for stage, series in theirs.items():
-        for name, points in series.items():
-            if name != "steps_per_s" and ours.get(stage, {}).get(name) != points:
-                found.append(
-                    f"The curve {stage}.{name} is {ours.get(stage, {}).get(name)}, not {points}."
-                )
     with workplace.database.reading() as session:
         games = {
             (game.policy, game.action_selection, game.start_number)

@@ -39,7 +39,7 @@ TINY_VALUES: dict[str, object] = {
     "policy.n_epochs": 1,
     "policy.critic_warm_up_steps": 0,
     "policy.snapshot_steps": (),
-    "policy.snapshot_episodes": 2,
+    "policy.snapshot_episodes": 1,
     "cloning.epochs": 2,
     "evaluation.start_numbers": (0,),
     "evaluation.further_start_numbers": (),

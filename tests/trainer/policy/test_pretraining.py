@@ -12,6 +12,7 @@ from tests.trainer.samples import planted_trajectories
 from trainer.games.space_invaders.foresight import N_OUTCOMES
 from trainer.games.space_invaders.memory_reading import play_games
 from trainer.nn.checkpoints import load_tensors
+from trainer.policy import pretraining
 from trainer.policy.cloning import train_clone
 from trainer.policy.networks import PRETRAINED, new_policy, pretrained_policy
 from trainer.policy.pretraining import (
@@ -27,7 +28,11 @@ from tril.errors import Invalid
 from tril.recipes import FAST, CloningRecipe, changed_values, with_values
 
 
-def test_it_learns_to_see_and_then_to_survive(tmp_path: Path) -> None:
+def test_it_learns_to_see_and_then_to_survive(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    short = {"policy.n_envs": 2, "policy.n_steps": 64, "policy.snapshot_episodes": 1}
+    monkeypatch.setattr(pretraining, "RECIPE", with_values(pretraining.RECIPE, short))
     screens = play_games(5, seed=5, n_processes=1, look_ahead=True)
     policy, figures = learn_to_see(screens, seed=0)
     assert figures["bits"]["n_flags"] == len(screens.varying())
@@ -35,7 +40,7 @@ def test_it_learns_to_see_and_then_to_survive(tmp_path: Path) -> None:
     assert 0.5 < figures["bits"]["accuracy"] <= 1.0
     games = [play_varied(np.random.default_rng(0)).recording]
     # Two rollouts: the learning rate is zero in the last one.
-    survivor = learn_to_survive(policy, games, 4_096, seed=0, folder=tmp_path)
+    survivor = learn_to_survive(policy, games, 256, seed=0, folder=tmp_path)
     before, after = policy.state_dict(), survivor.state_dict()
     assert {name: one.shape for name, one in before.items()} == {
         name: one.shape for name, one in after.items()
@@ -52,7 +57,8 @@ def test_only_being_hit_counts() -> None:
     assert shaping.shape(rewards, rewards, died).tolist() == [0.0, -1.0, 0.0]
 
 
-def test_the_policy_that_ships_survives() -> None:
+def test_the_policy_that_ships_survives(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pretraining, "EVALUATION_START_COUNT", 8)
     _, metadata = load_tensors(PRETRAINED)
     assert "figures" in metadata
     untrained = new_policy("small", 6, 0.0, np.random.default_rng(0))

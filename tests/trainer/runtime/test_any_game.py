@@ -51,7 +51,7 @@ def test_a_run_in_an_environment_is_learned_and_evaluated(workplace: Workplace, 
             for number, played in enumerate(reversed(games))
         ]
         rankings.save(session, behaviour.id, 0, [[number] for number in ids])
-        run_id = runs.create(session, behaviour.id, TINY_PAPER, 128, 0, go_on_anyway=True).id
+        run_id = runs.create(session, behaviour.id, TINY_PAPER, 64, 0, go_on_anyway=True).id
     pipeline = Pipeline(workplace.database, workplace.settings, "worker-0", threading.Event())
     assert pipeline.train(run_id, pipeline.run_stage) == RunStatus.DONE, workplace.run(
         run_id

@@ -70,7 +70,7 @@ def test_a_policy_judged_where_it_was_trained_claims_nothing_held_out(
     workplace: Workplace, jobs: Jobs, zygote: Zygote
 ) -> None:
     recipe = with_values(judged_where_trained(TINY, 1), {"ending": "life_counter"})
-    run_id = workplace.make_run(recipe)
+    run_id = workplace.make_run(recipe, steps=64)
     jobs.enqueue(run_id)
     with zygote.running(workplace.settings.data) as worker:
         row = until_over(workplace, run_id, worker)
@@ -399,7 +399,7 @@ def test_runs_for_a_gpu_wait_for_a_worker_that_has_one_which_takes_one_run_at_a_
         jobs.enqueue(run_id)
         return run_id
 
-    for_gpu = [make(RunDevice.GPU) for _ in range(3)]
+    for_gpu = [make(RunDevice.GPU) for _ in range(2)]
     first = make(RunDevice.ANY)
     with zygote.running(workplace.settings.data) as worker:
         until_over(workplace, first, worker)
@@ -410,7 +410,7 @@ def test_runs_for_a_gpu_wait_for_a_worker_that_has_one_which_takes_one_run_at_a_
         worker.send(signal.SIGTERM)
     assert {workplace.run(run_id).status for run_id in for_gpu} == {RunStatus.QUEUED}
 
-    everything = [*for_gpu, *(make(RunDevice.ANY) for _ in range(3))]
+    everything = [*for_gpu, *(make(RunDevice.ANY) for _ in range(2))]
     command = [sys.executable, "-m", "tests.trainer.runtime.gpu_worker"]
     log = workplace.settings.data / "gpu-worker.log"
     with (
