@@ -1,7 +1,7 @@
 import { queryOptions } from "@tanstack/react-query";
 
 import { api, patientFetch, unwrap } from "./client";
-import { after, everyPage } from "./pages";
+import { after, everyPage } from "./batches";
 import type { Behaviour, BehaviourNew, BehaviourUpdate } from "./types";
 
 export const behavioursQuery = queryOptions({

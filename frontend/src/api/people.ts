@@ -1,7 +1,7 @@
 import { infiniteQueryOptions, queryOptions } from "@tanstack/react-query";
 
 import { api, unwrap } from "./client";
-import { after, before, everyPage } from "./pages";
+import { after, before, everyPage } from "./batches";
 import type {
   AuditEntry,
   Invitation,

@@ -1,7 +1,7 @@
 import { queryOptions } from "@tanstack/react-query";
 
 import { api, fetchBytes, fetchFile, patientFetch, unwrap } from "./client";
-import { before, everyPage } from "./pages";
+import { before, everyPage } from "./batches";
 import type { Run, RunNew, RunUpdate } from "./types";
 
 function at(runId: string) {

@@ -1,8 +1,8 @@
 import { QueryClient } from "@tanstack/react-query";
 import { describe, expect, it } from "vitest";
 
+import { PAGE_LENGTH } from "@/api/batches";
 import { behavioursQuery } from "@/api/behaviours";
-import { PAGE_LENGTH } from "@/api/pages";
 import { browsersQuery, invitationsQuery, peopleQuery } from "@/api/people";
 import { activeRunsQuery, runsQuery } from "@/api/runs";
 
