@@ -47,7 +47,7 @@ def test_a_game_is_found_taught_played_kept_and_replayed(
         page.get_by_role("button", name="Start game").click()
         expect(page.get_by_role("button", name="Pause")).to_be_visible()
         expect(page.locator("strong[role=timer]")).to_be_hidden(timeout=15_000)
-        for key in ("ArrowRight", "ArrowLeft", "Space"):
+        for key in ("ArrowUp", "ArrowDown", "Space"):
             page.keyboard.down(key)
             before = page.get_by_text(re.compile(r"^step \d+ of 150$")).inner_text()
             expect(page.get_by_text(before, exact=True)).to_be_hidden()
