@@ -52,9 +52,10 @@ def write_recordings(workplace: Workplace, number: int, n_ranked: int) -> list[i
         values = []
         for place in range(number - len(workplace.ranked)):
             cells = rng.permutation(36)[: rng.integers(0, 8)]
-            hits = [[int(cell) // 6, int(cell) % 6, 30 * at] for at, cell in enumerate(cells)]
+            taken = [[int(cell) // 6, int(cell) % 6, 30 * at] for at, cell in enumerate(cells)]
             source = Source.PERSON if place % 3 else Source.SCRIPTED
-            values.append(copied | {"hits": hits, "source": source, "shots": int(len(hits) + 3)})
+            counters = {"shots": len(taken) + 3}
+            values.append(copied | {"taken": taken, "source": source, "counters": counters})
         session.execute(insert(RecordingRow), values)
         ids = list(session.scalars(select(RecordingRow.id).order_by(RecordingRow.id.desc())))
         tiers = [[key] for key in ids[-n_ranked:]]
