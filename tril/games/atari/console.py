@@ -85,6 +85,9 @@ class AtariConsole:
         self._ale.setFloat("repeat_action_probability", 0.0)
         self._ale.setBool("sound", False)
         self._ale.loadROM(rom)
+        # With the emulator's random numbers, from which a reset draws what memory and timer hold:
+        # otherwise a start of Seaquest, say, would depend on how many went before it.
+        self._powered_on = self._ale.cloneState(include_rng=True)
         self._intro = intro
         self._actions = tuple(getattr(ale_py.Action, name) for name in game.controls.actions)
         self._start_cache: StartCache = {} if start_cache is None else start_cache
@@ -116,6 +119,7 @@ class AtariConsole:
             self.restore(self._start_cache[nearest])
             frames = start.idle_frames - nearest.idle_frames
         else:
+            self._ale.restoreState(self._powered_on)
             self._ale.setMode(start.mode)
             self._ale.setDifficulty(start.difficulty)
             self._ale.reset_game()

@@ -39,6 +39,19 @@ def test_any_game_is_played_recorded_and_seen_again(name: str) -> None:
     assert seen.observations.std(axis=0).max() > 0
 
 
+@pytest.mark.parametrize("name", ["seaquest", "demon_attack", "freeway"])
+def test_a_start_does_not_depend_on_those_before_it(name: str) -> None:
+    """Memory and timer of these games are random when they are reset."""
+    game = game_named(name)
+    starts = sorted(game.starts.training, key=lambda start: start.key, reverse=True)[:6]
+    used = game.make_console()
+    for start in starts:
+        used.start(start)
+        fresh = game.make_console()
+        fresh.start(start)
+        assert used.ram_bytes() == fresh.ram_bytes(), start
+
+
 @pytest.mark.parametrize("name", ["pong", "breakout", "freeway", "enduro"])
 def test_starts_differ(name: str) -> None:
     game = game_named(name)
