@@ -41,10 +41,10 @@ def summed_up(log: str, folder: Path) -> str:
     """Return what .ci/run prints of pytest's closing lines."""
     (folder / "test").write_text(log)
     script = (ROOT / ".ci/run").read_text()
-    found = re.search(r"^awk .*?\| sort$", script, re.MULTILINE | re.DOTALL)
-    assert found is not None
+    summary = re.search(r"^awk .*?\| sort$", script, re.MULTILINE | re.DOTALL)
+    assert summary is not None
     return subprocess.run(
-        ["bash", "-c", f"logs={folder}\n{found[0]}"], capture_output=True, text=True, check=True
+        ["bash", "-c", f"logs={folder}\n{summary[0]}"], capture_output=True, text=True, check=True
     ).stdout
 
 

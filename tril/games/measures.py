@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields
 from enum import StrEnum
 from typing import Any, ClassVar
@@ -62,7 +63,7 @@ class Per(StrEnum):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Measure:
+class Measure(ABC):
     """A quantity of a game, and the bounds that a behaviour sets it.
 
     Attributes:
@@ -92,9 +93,9 @@ class Measure:
             )
 
     @property
+    @abstractmethod
     def unit(self) -> Unit:
         """What its values are counted in."""
-        raise NotImplementedError
 
     @property
     def key(self) -> str:

@@ -7,6 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from tril.errors import Invalid
 from tril.games.base import Cell, EndKind, Game, Taken, cell_name
@@ -231,22 +232,22 @@ def _share_in_order(one: ItemsInOrder, taken: list[Cell]) -> float | None:
 
 
 def _share_in_region(one: InRegion, places: Places) -> float | None:
-    there = places[~np.isnan(places).any(axis=1)]
-    if not len(there):
-        return None
-    x, y = there.T
+    x, y = places.T
     inside = (one.area.left <= x) & (x < one.area.right)
     inside &= (one.area.top <= y) & (y < one.area.bottom)
-    return float(inside.mean())
+    return _share(inside, places)
 
 
 def _share_near(one: Near, apart: Places) -> float | None:
-    there = apart[~np.isnan(apart).any(axis=1)]
-    if not len(there):
-        return None
-    x, y = there.T
+    x, y = apart.T
     distance = {Axes.X: np.abs(x), Axes.Y: np.abs(y), Axes.BOTH: np.hypot(x, y)}[one.axes]
-    return float((distance <= one.distance_px).mean())
+    return _share(distance <= one.distance_px, apart)
+
+
+def _share(holds: npt.NDArray[np.bool_], places: Places) -> float | None:
+    """Return the share of the frames in which something holds, of those that have a place."""
+    is_there = ~np.isnan(places).any(axis=1)
+    return float(holds[is_there].mean()) if is_there.any() else None
 
 
 def _rate(game: Game, one: ActionRate, actions: bytes) -> float | None:

@@ -79,8 +79,8 @@ def test_patches_anywhere_change_what_occlusion_changes(background: int) -> None
     ]
     positions = np.array([*edges, *rng.integers(0, (4, 82, 82), (200, 3)).tolist()])
     expected = _occluded_changes(model, noise, positions, background)
-    found = changes_at(model, noise, positions, NullProgress(), background)
-    np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-2 * expected.max())
+    changes = changes_at(model, noise, positions, NullProgress(), background)
+    np.testing.assert_allclose(changes, expected, rtol=1e-3, atol=1e-2 * expected.max())
 
 
 def test_the_gradients_map_is_the_change_per_pixel_where_r_is_linear(
