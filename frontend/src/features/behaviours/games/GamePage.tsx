@@ -170,9 +170,7 @@ function Facts({ game }: { game: TaughtGame }) {
       )}
       {!game.has_player && (
         <p>
-          <Trans>
-            Nobody has written a scripted player for it, so there are no examples and no checklist.
-          </Trans>
+          <Trans>Nobody has written a scripted player for it, so there are no examples.</Trans>
         </p>
       )}
       {!game.saves_states && (
