@@ -21,7 +21,6 @@ from server.app import create_app
 from server.main import Server, bind, server_config
 from server.play.rules import PlayRules
 from server.play.session.session import WHY_PAUSED
-from server.play.wire.codec import FrameDecoder
 from server.play.wire.protocol import (
     AckMessage,
     Alive,
@@ -31,12 +30,10 @@ from server.play.wire.protocol import (
     InputMessage,
     Paused,
     ServerMessage,
-    client_bytes,
-    parse_frame,
-    parse_server,
 )
 from server.services import Services
 from testsupport.databases import settings_on
+from testsupport.protocol import FrameDecoder, client_bytes, parse_frame, parse_server
 from testsupport.space_invaders import Keys
 from testsupport.visitors import cookie_of
 from tril.games.base import Screen

@@ -18,9 +18,9 @@ import torch
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection
 
-from server.play.wire.codec import FrameDecoder
-from server.play.wire.protocol import AckMessage, FrameMessage, client_bytes, parse_frame
+from server.play.wire.protocol import AckMessage, FrameMessage
 from testsupport.live import TIMEOUT_S, connect_to
+from testsupport.protocol import FrameDecoder, client_bytes, parse_frame
 from testsupport.workplace import TINY, Workplace
 from trainer.policy.networks import new_policy, save_policy
 from trainer.reward.model import RewardModel, new_network

@@ -20,7 +20,8 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from server.play.wire.codec import FrameDecoder, FrameEncoder
+from server.play.wire.codec import FrameEncoder
+from testsupport.protocol import FrameDecoder
 from tril.errors import TrilError
 from tril.games import game_named, game_titles
 from tril.games.base import Console, Game, spread_starts

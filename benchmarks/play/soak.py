@@ -36,8 +36,9 @@ from websockets.exceptions import ConnectionClosed, InvalidHandshake
 from benchmarks.play.support.crowd import running_crowd
 from benchmarks.play.support.fleet import START_TIMEOUT_S, Fleet, running_fleet
 from benchmarks.play.support.pages import HOST, arrive, client_of, owners_cookie
-from server.play.wire.protocol import AckMessage, client_bytes, parse_frame
+from server.play.wire.protocol import AckMessage
 from testsupport.processes import tril_process
+from testsupport.protocol import client_bytes, parse_frame
 from testsupport.waiting import wait_until
 from testsupport.watching import finished_run
 from testsupport.workplace import make_workplace

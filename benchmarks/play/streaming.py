@@ -31,7 +31,8 @@ from server.play.session.live_game import GameInfo, LiveGame
 from server.play.session.session import PlaySession, SessionEvents, SessionResources
 from server.play.wire.codec import FrameEncoder
 from server.play.wire.connection import Connection
-from server.play.wire.protocol import AckMessage, Command, InputMessage, parse_frame
+from server.play.wire.protocol import AckMessage, Command, InputMessage
+from testsupport.protocol import parse_frame
 from testsupport.space_invaders import Keys, action_for
 from tril.games.atari.palette import palette_rgb
 from tril.games.atari.starts import AtariStart

@@ -26,7 +26,8 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.play.support.pages import owners_cookie
-from server.play.wire.protocol import InputMessage, client_bytes
+from server.play.wire.protocol import InputMessage
+from testsupport.protocol import client_bytes
 from testsupport.space_invaders import Keys
 from tril.exchange.formats.recording_file import dump_recording
 from tril.games.atari.starts import AtariStart

@@ -22,8 +22,9 @@ from typing import Any
 import httpx2
 import numpy as np
 
-from server.play.wire.protocol import InputMessage, client_bytes
+from server.play.wire.protocol import InputMessage
 from testsupport.live import TIMEOUT_S, cookie
+from testsupport.protocol import client_bytes
 from testsupport.space_invaders import Keys
 from tril.settings import Settings
 

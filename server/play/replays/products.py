@@ -6,12 +6,11 @@ import io
 import json
 import struct
 import zlib
-from collections.abc import Iterator
 
 import numpy as np
 from PIL import Image
 
-from server.play.wire.codec import FLAG_KEY, EncodedFrame, FrameEncoder, palette_json
+from server.play.wire.codec import FLAG_KEY, FrameEncoder, palette_json
 from tril.errors import NotFound
 from tril.games.base import Console, Screen
 from tril.play.episode import Episode
@@ -47,19 +46,6 @@ def frames_file(recording: Recording, console: Console | None = None) -> bytes:
         separators=(",", ":"),
     ).encode()
     return b"".join([MAGIC, _LENGTH.pack(len(header)), header, *parts])
-
-
-def read_frames_file(content: bytes) -> Iterator[EncodedFrame]:
-    """Yield the frames of a file of frames, the start's screen first."""
-    if content[: len(MAGIC)] != MAGIC:
-        raise ValueError("Expected a file of frames, which begins with TRILFRM1.")
-    at = len(MAGIC)
-    at += _LENGTH.size + _LENGTH.unpack_from(content, at)[0]
-    while at < len(content):
-        length, flags = _FRAME.unpack_from(content, at)
-        at += _FRAME.size
-        yield EncodedFrame(bool(flags & FLAG_KEY), content[at : at + length])
-        at += length
 
 
 def thumbnail_png(recording: Recording, console: Console | None = None) -> bytes:

@@ -17,10 +17,6 @@ FLAG_KEY = 1
 """Marks a key frame, in a stream's FRAME and in a file of frames."""
 
 
-class UnreadableFrame(ValueError):
-    """Bytes that are not a frame of this codec."""
-
-
 @dataclass(frozen=True)
 class EncodedFrame:
     """One encoded screen.
@@ -60,37 +56,6 @@ class FrameEncoder:
         self._before[:] = screen
         self._needs_key = False
         return EncodedFrame(is_key, payload)
-
-
-class FrameDecoder:
-    """Decodes frames in the order in which they were encoded."""
-
-    def __init__(self, shape: tuple[int, ...]) -> None:
-        """Make a decoder of screens of this shape."""
-        self._shape = shape
-        self._n_bytes = int(np.prod(shape))
-        self._before: Screen | None = None
-
-    def decode(self, frame: EncodedFrame) -> Screen:
-        """Return the screen, a fresh array.
-
-        Raises:
-            UnreadableFrame: The payload is malformed, or refers to a screen that was not decoded.
-        """
-        inflate = zlib.decompressobj()
-        try:
-            data = inflate.decompress(frame.payload, self._n_bytes + 1)
-        except zlib.error as error:
-            raise UnreadableFrame(f"A frame is no zlib stream: {error}.") from error
-        if len(data) != self._n_bytes or not inflate.eof:
-            raise UnreadableFrame(f"Expected a frame of {self._n_bytes} bytes, got {len(data)}.")
-        screen = np.frombuffer(data, np.uint8).reshape(self._shape).copy()
-        if not frame.is_key:
-            if self._before is None:
-                raise UnreadableFrame("The first frame has to be a key frame.")
-            screen ^= self._before
-        self._before = screen
-        return screen.copy()
 
 
 def palette_json(screen: ScreenSpec) -> list[list[int]] | None:

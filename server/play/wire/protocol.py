@@ -25,10 +25,8 @@ MARKS_BYTES = 2
 _FRAME = struct.Struct("<BB2sIII")
 _CLIENT = struct.Struct("<BBHI")
 _LATENCY_UNIT_MS = 0.1
-_LONGEST_LATENCY = 2**16 - 1
 _BUTTONS_BITS = 8
 """Bits of the buttons in an INPUT's second byte; the third and the fourth hold further ones."""
-MAX_BUTTONS = 24
 _SEQUENCES = 2**32
 
 
@@ -39,7 +37,6 @@ class Close(IntEnum):
     TRY_AGAIN_LATER = 1013
     TAKEN_OVER = 4001
     BAD_MESSAGE = 4400
-    UNAUTHORISED = 4401
     NO_SUCH_GAME = 4404
     GAME_OVER = 4410
 
@@ -125,26 +122,6 @@ def frame_bytes(message: FrameMessage) -> bytes:
         message.input_sequence % _SEQUENCES,
     )
     return header + message.encoded.payload
-
-
-def parse_frame(data: bytes) -> FrameMessage:
-    """Parse a FRAME; raises BadMessage."""
-    if len(data) < _FRAME.size or data[0] != 1:
-        raise BadMessage(f"Expected a frame of at least {_FRAME.size} bytes that begins with 1.")
-    _, flags, marks, sequence, frame, input_sequence = _FRAME.unpack_from(data)
-    encoded = EncodedFrame(bool(flags & FLAG_KEY), data[_FRAME.size :])
-    return FrameMessage(sequence, frame, input_sequence, encoded, marks, bool(flags & FLAG_COUNTED))
-
-
-def client_bytes(message: InputMessage | AckMessage) -> bytes:
-    """Serialise an INPUT or an ACK."""
-    if isinstance(message, InputMessage):
-        more, buttons = divmod(message.buttons, 1 << _BUTTONS_BITS)
-        return _CLIENT.pack(1, buttons, more, message.sequence)
-    latency = 0
-    if message.latency_ms is not None:
-        latency = min(max(1, round(message.latency_ms / _LATENCY_UNIT_MS)), _LONGEST_LATENCY)
-    return _CLIENT.pack(2, 0, latency, message.sequence)
 
 
 def parse_client(data: bytes | str) -> ClientMessage:
@@ -293,14 +270,3 @@ class Alive(Message):
 
 
 ServerMessage = Hello | Countdown | HitMessage | Paused | Rewound | Ended | TakenOver | Alive
-_SERVER_MESSAGES: TypeAdapter[ServerMessage] = TypeAdapter(
-    Annotated[ServerMessage, Field(discriminator="type")]
-)
-
-
-def parse_server(text: str) -> ServerMessage:
-    """Parse a text message of the server; raises BadMessage."""
-    try:
-        return _SERVER_MESSAGES.validate_json(text)
-    except ValidationError as error:
-        raise BadMessage(f"Expected a message of the server, got {text[:80]!r}.") from error

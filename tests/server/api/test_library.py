@@ -12,10 +12,9 @@ from PIL import Image
 from starlette.testclient import TestClient
 
 from server.api.imports import MAX_IMPORTED
-from server.play.replays.products import read_frames_file
-from server.play.wire.codec import FrameDecoder
 from tests.server.clients import replayed, stored
 from testsupport.libraries import unranked_in
+from testsupport.protocol import FrameDecoder, read_frames_file
 from testsupport.workplace import FRAMES, Workplace
 from tril.games.atari.palette import palette_rgb
 from tril.games.space_invaders.memory import SCREEN_SHAPE

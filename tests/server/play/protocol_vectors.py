@@ -28,9 +28,9 @@ from server.play.wire.protocol import (
     Rewound,
     ServerMessage,
     TakenOver,
-    client_bytes,
     frame_bytes,
 )
+from testsupport.protocol import client_bytes
 from testsupport.space_invaders import Keys, action_for
 from tril.games.atari.starts import AtariStart
 from tril.games.space_invaders import SPACE_INVADERS

@@ -10,9 +10,10 @@ import pytest
 
 from server.play.session import clock
 from server.play.session.clock import MAX_GAP_S, JumpDetector, StoodStill
-from server.play.wire.protocol import Alive, Countdown, FrameMessage, Hello, Paused, parse_server
+from server.play.wire.protocol import Alive, Countdown, FrameMessage, Hello, Paused
 from testsupport.live import GameClient, LiveServer, join
 from testsupport.processes import TrilProcess, server_process
+from testsupport.protocol import parse_server
 from testsupport.workplace import make_workplace
 
 SUSPENDED_S = 2.5

@@ -26,6 +26,7 @@ from server.play.wire.protocol import (
     Paused,
     TakenOver,
 )
+from server.web.middleware import CLOSE_UNAUTHORISED
 from tests.server.clients import replayed, stored
 from testsupport.live import GameClient, LiveServer, cookie, live_server
 from testsupport.space_invaders import Keys
@@ -297,7 +298,7 @@ def test_a_message_that_is_not_of_the_protocol_closes_the_stream(
 def test_a_stream_without_cookie_closes_with_4401(live: LiveServer) -> None:
     path = live.new_game()["stream_path"]
     with connect(f"ws://{live.authority}{path}", compression=None) as socket:
-        assert GameClient(socket).close_code() == Close.UNAUTHORISED
+        assert GameClient(socket).close_code() == CLOSE_UNAUTHORISED
 
 
 @pytest.mark.parametrize(

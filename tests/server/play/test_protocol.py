@@ -12,13 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from server.play.replays.products import read_frames_file
-from server.play.wire.codec import (
-    EncodedFrame,
-    FrameDecoder,
-    FrameEncoder,
-    UnreadableFrame,
-)
+from server.play.wire.codec import EncodedFrame, FrameEncoder
 from server.play.wire.protocol import (
     AckMessage,
     BadMessage,
@@ -26,13 +20,18 @@ from server.play.wire.protocol import (
     FrameMessage,
     InputMessage,
     SetSpeed,
-    client_bytes,
     frame_bytes,
     parse_client,
-    parse_frame,
-    parse_server,
 )
 from tests.server.play.protocol_vectors import PATH, vectors
+from testsupport.protocol import (
+    FrameDecoder,
+    UnreadableFrame,
+    client_bytes,
+    parse_frame,
+    parse_server,
+    read_frames_file,
+)
 from tril.games.space_invaders.memory import SCREEN_SHAPE
 
 VECTORS = json.loads(PATH.read_text())

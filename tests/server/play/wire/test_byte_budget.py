@@ -9,9 +9,10 @@ from contextlib import suppress
 import pytest
 
 from server.play.wire.byte_budget import BURST_BYTES, RATE_BYTES_PER_S, TokenBucket
-from server.play.wire.protocol import FrameMessage, Hello, InputMessage, client_bytes
+from server.play.wire.protocol import FrameMessage, Hello, InputMessage
 from testsupport.live import GameClient, join
 from testsupport.processes import server_process
+from testsupport.protocol import client_bytes
 from testsupport.space_invaders import Keys
 from testsupport.workplace import Workplace
 

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from server.play.wire.connection import Connection
-from server.play.wire.protocol import AckMessage, BadMessage, InputMessage, Paused, parse_frame
+from server.play.wire.protocol import AckMessage, BadMessage, InputMessage, Paused
 from server.play.wire.scene import Scene
+from testsupport.protocol import parse_frame
 from testsupport.space_invaders import Keys
 from tril.games.space_invaders.memory import SCREEN_SHAPE
 
