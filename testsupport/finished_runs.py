@@ -6,6 +6,7 @@ from dataclasses import asdict
 
 import numpy as np
 
+from testsupport.libraries import replay_of
 from testsupport.watching import finished_run
 from testsupport.workplace import Workplace
 from trainer.reporting.figures import attention_picture, frame_picture
@@ -99,7 +100,7 @@ def _keep_games(workplace: Workplace, run_id: str) -> None:
                     session,
                     workplace.behaviour_id,
                     recordings.as_recording(shown),
-                    recordings.replay_of(shown),
+                    replay_of(shown),
                     Source.POLICY,
                     run_id=run_id,
                     conditions={"policy": policy, "action_selection": how},

@@ -1,10 +1,14 @@
-"""Libraries in brief, as tests read them."""
+"""Libraries and recordings, as tests read them."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from starlette.testclient import TestClient
+
+from tril.recording import Replay
+from tril.store import recordings
+from tril.store.models import RecordingRow
 
 
 def rows_of(library: dict[str, Any]) -> list[dict[str, Any]]:
@@ -37,4 +41,17 @@ def unranked_in(client: TestClient, behaviour: str) -> list[int]:
             if row["state"] == "kept" and row["verification"] == "verified" and not row["ranked"]
         ),
         reverse=True,
+    )
+
+
+def replay_of(row: RecordingRow) -> Replay:
+    """Return what happened in a recording, as its row says."""
+    return Replay(
+        recordings.taken_of(row),
+        row.end,
+        row.n_frames,
+        dict(row.counters),
+        row.score or 0.0,
+        tuple(row.hashes),
+        dict(row.measured),
     )

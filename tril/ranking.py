@@ -110,25 +110,6 @@ class Ranking:
         return {item: place for place, tier in enumerate(self.tiers, start=1) for item in tier}
 
 
-@dataclass(frozen=True)
-class Agreement:
-    """The agreement of two rankings over their common recordings.
-
-    Attributes:
-        n_common: Number of recordings that both rank.
-        concordant: Number of pairs in the same order.
-        discordant: Number of pairs in opposite order.
-        tied: Number of pairs tied in at least one ranking.
-        tau: Kendall's tau-b, -1 to 1; None if either ranking has all of them in one tier.
-    """
-
-    n_common: int
-    concordant: int
-    discordant: int
-    tied: int
-    tau: float | None
-
-
 def normalise(tiers: Iterable[Iterable[int]]) -> Ranking:
     """Make a ranking from tiers, dropping empty ones.
 
@@ -166,21 +147,14 @@ def contradictions(first: Ranking, second: Ranking) -> list[Pair]:
     ]
 
 
-def agreement(first: Ranking, second: Ranking) -> Agreement:
-    """Compare two rankings over their common recordings."""
+def ranking_tau(first: Ranking, second: Ranking) -> float | None:
+    """Return Kendall's tau-b of two rankings over the recordings that both rank, -1 to 1.
+
+    None if either ranking has all of them in one tier.
+    """
     first_place, second_place = first.tier_numbers(), second.tier_numbers()
     common = [item for item in first.items if item in second_place]
-    signs = _pair_signs([-first_place[item] for item in common])
-    products = signs * _pair_signs([-second_place[item] for item in common])
-    return Agreement(
-        n_common=len(common),
-        concordant=int((products > 0).sum()),
-        discordant=int((products < 0).sum()),
-        tied=int((products == 0).sum()),
-        tau=_tau_b(
-            [-first_place[item] for item in common], [-second_place[item] for item in common]
-        ),
-    )
+    return _tau_b([-first_place[item] for item in common], [-second_place[item] for item in common])
 
 
 def kendall_tau(tiers: Sequence[Sequence[int]], values: Values) -> float:

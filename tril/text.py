@@ -93,15 +93,6 @@ def clean_lines(text: str, max_length: int | None = None) -> str:
     return _checked(_composed_lines(text), max_length, _KEPT_IN_LINES)
 
 
-def clean_json(value: Any) -> Any:
-    """Return JSON whose texts are clean: keys as lines, others as texts of any number of lines.
-
-    Raises:
-        TextRefused: A text in it has a character that can't be accepted.
-    """
-    return _each_text(value, clean_line, clean_lines)
-
-
 def shown_line(text: str, max_length: int | None = None) -> str:
     """Return what was stored such that ``clean_line`` accepts it.
 
@@ -116,7 +107,7 @@ def shown_lines(text: str, max_length: int | None = None) -> str:
 
 
 def shown_json(value: Any) -> Any:
-    """Return what was stored such that ``clean_json`` accepts it, as ``shown_line`` does."""
+    """Return stored JSON with keys as ``shown_line`` and other texts as ``shown_lines``."""
     return _each_text(value, shown_line, shown_lines)
 
 

@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 from tril.errors import Invalid
 from tril.ranking import (
     Ranking,
-    agreement,
     best_ranked,
     contradictions,
     kendall_tau,
     normalise,
+    ranking_tau,
 )
 
 
@@ -91,18 +91,30 @@ def test_contradictions_are_the_pairs_ordered_the_other_way_round(
 ) -> None:
     found = contradictions(first, second)
     assert {(worse, better) for better, worse in found} == set(contradictions(second, first))
-    compared = agreement(first, second)
-    assert compared.discordant == len(found)
-    n = compared.n_common
-    assert compared.concordant + compared.discordant + compared.tied == n * (n - 1) // 2
+    common = set(first.items) & set(second.items)
+    inverted = [
+        pair for pair in first.pairs() if common.issuperset(pair) and pair[::-1] in second.pairs()
+    ]
+    assert sorted(found) == sorted(inverted)
+
+
+@given(rankings(), rankings())
+def test_tau_of_two_rankings_is_of_what_both_rank(first: Ranking, second: Ranking) -> None:
+    above, below = first.tier_numbers(), second.tier_numbers()
+    common = [item for item in first.items if item in below]
+    tau = ranking_tau(first, second)
+    expected = _tau_by_counting(
+        [-float(above[item]) for item in common], [-float(below[item]) for item in common]
+    )
+    assert (tau or 0.0) == pytest.approx(expected)
+    one_tier = any(len({place[item] for item in common}) < 2 for place in (above, below))
+    assert (tau is None) == one_tier
 
 
 @given(rankings())
 def test_a_ranking_agrees_with_itself(ranking: Ranking) -> None:
     assert contradictions(ranking, ranking) == []
-    compared = agreement(ranking, ranking)
-    assert compared.tau == (1 if len(ranking.tiers) > 1 else None)
-    assert compared.concordant == ranking.n_pairs
+    assert ranking_tau(ranking, ranking) == (1 if len(ranking.tiers) > 1 else None)
 
 
 def _tau_by_counting(one: list[float], other: list[float]) -> float:

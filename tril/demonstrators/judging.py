@@ -14,7 +14,7 @@ from tril.errors import Invalid
 from tril.games.base import Cell
 from tril.games.behaviours import Behaviour, score
 from tril.games.space_invaders.ends import EndReason
-from tril.ranking import Pair, Ranking, agreement, contradictions, normalise
+from tril.ranking import Pair, Ranking, contradictions, normalise, ranking_tau
 
 _MISTAKES_STREAM = 3
 """Seeds the ranking mistakes independently of the games of the same seed."""
@@ -58,7 +58,7 @@ class Judgement:
             "true_tiers": [list(tier) for tier in self.true.tiers],
             "given_tiers": [list(tier) for tier in self.given.tiers],
             "mistakes": [list(pair) for pair in self.mistakes],
-            "tau": agreement(self.true, self.given).tau,
+            "tau": ranking_tau(self.true, self.given),
         }
 
 

@@ -177,10 +177,6 @@ class Controls:
             )
         return action
 
-    def buttons_for(self, action: int) -> int:
-        """Return the buttons held for an action, as bits."""
-        return self.held[action]
-
 
 @dataclass(frozen=True, order=True)
 class Start(ABC):

@@ -51,19 +51,6 @@ def died(row: RecordingRow) -> bool:
     return game_named(row.game).is_death(row.end)
 
 
-def replay_of(row: RecordingRow) -> Replay:
-    """Return what happened in a recording, as its row says."""
-    return Replay(
-        taken_of(row),
-        row.end,
-        row.n_frames,
-        dict(row.counters),
-        row.score or 0.0,
-        tuple(row.hashes),
-        dict(row.measured),
-    )
-
-
 def fill(row: RecordingRow, recording: Recording, played: Replay) -> None:
     """Write a recording and what happened in it into its row."""
     for name, value in columns_of(recording, played).items():

@@ -33,6 +33,7 @@ from server.web.permissions import (
 )
 from server.web.security import load_secrets
 from tests.server.clients import build_frontend, signed_in
+from testsupport.libraries import replay_of
 from testsupport.visitors import cookie_of
 from testsupport.workplace import Workplace, make_workplace
 from tril.games.atari.starts import AtariStart
@@ -171,7 +172,7 @@ class World:
                 session,
                 self.workplace.behaviour_id,
                 recordings.as_recording(played),
-                recordings.replay_of(played),
+                replay_of(played),
                 Source.PERSON,
                 player_id=self.people["owner"],
             )
@@ -252,7 +253,7 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
                 session,
                 1,
                 recordings.as_recording(played),
-                recordings.replay_of(played),
+                replay_of(played),
                 Source.PERSON,
                 player_id=people[name],
                 notes=MARK,

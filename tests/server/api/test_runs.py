@@ -6,6 +6,7 @@ import pytest
 from starlette.testclient import TestClient
 
 from tests.trainings import HACKS, checked
+from testsupport.libraries import replay_of
 from testsupport.workplace import Workplace
 from tril.analysis.outcome import Headline, RunOutcome
 from tril.analysis.summary import summarise
@@ -245,7 +246,7 @@ def fill_with_results(workplace: Workplace) -> str:
                 row = RecordingRow(
                     behaviour_id=1, run_id=run_id, source=Source.POLICY, state="kept"
                 )
-                recordings.fill(row, recordings.as_recording(played), recordings.replay_of(played))
+                recordings.fill(row, recordings.as_recording(played), replay_of(played))
                 session.add(row)
                 session.flush()
                 key = EvaluationKey(policy, "greedy", number)

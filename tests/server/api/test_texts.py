@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 
 from cli.main import app
 from tests.server.clients import build_frontend, signed_in
+from testsupport.libraries import replay_of
 from testsupport.workplace import Workplace, make_workplace
 from tril.exchange.behaviour_transfer import export_behaviour, import_behaviour
 from tril.exchange.formats.recording_object import parse_recording
@@ -126,7 +127,7 @@ def test_what_earlier_versions_stored_is_shown_and_exported_such_that_it_is_take
             session,
             made.id,
             recordings.as_recording(played),
-            recordings.replay_of(played),
+            replay_of(played),
             Source.PERSON,
             player_id=1,
         )

@@ -11,7 +11,7 @@ from testsupport.space_invaders import EVALUATION_STARTS
 from tril.demonstrators.random_play import HOLD_STEPS, play_randomly, random_actions
 from tril.games.base import Console
 from tril.games.space_invaders import SPACE_INVADERS
-from tril.games.space_invaders.memory import ACTION_COUNT, MAX_FRAMES
+from tril.games.space_invaders.memory import MAX_FRAMES, Action
 from tril.recording import verify
 
 
@@ -46,7 +46,7 @@ def test_actions_are_held_for_longer_in_some_games_than_in_others() -> None:
     means = []
     for seed in range(60):
         steps = list(islice(random_actions(np.random.default_rng(seed), 6), 3000))
-        assert set(steps) <= set(range(ACTION_COUNT))
+        assert set(steps) <= set(range(len(Action)))
         means.append(3000 / sum(1 for _ in groupby(steps)))
     # An action that is drawn twice in a row is held for longer than it was drawn for.
     assert min(means) < 2 * HOLD_STEPS[0]
@@ -55,5 +55,5 @@ def test_actions_are_held_for_longer_in_some_games_than_in_others() -> None:
 
 def test_which_actions_are_likely_changes_during_a_game() -> None:
     steps = np.array(list(islice(random_actions(np.random.default_rng(0), 6), 6000)))
-    shares = [np.bincount(part, minlength=ACTION_COUNT) / 300 for part in steps.reshape(20, 300)]
+    shares = [np.bincount(part, minlength=len(Action)) / 300 for part in steps.reshape(20, 300)]
     assert np.ptp(shares, axis=0).max() > 0.4

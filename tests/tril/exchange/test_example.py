@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from testsupport.libraries import replay_of
 from trainer.archive.run_archive import check_networks
 from tril.exchange.example import BEHAVIOUR_NAME, EXAMPLE, open_example
 from tril.exchange.run_archive import read_archive
@@ -56,7 +57,7 @@ def test_its_recordings_replay_and_it_shows_what_it_was_made_to_show(tmp_path: P
             {game.start_number for game in games}
         )
         # What the file says of each game is what its replay yields.
-        replays = {game.recording.actions: recordings.replay_of(game.recording) for game in games}
+        replays = {game.recording.actions: replay_of(game.recording) for game in games}
         told = recorded(archive)
         for listed in archive.run.evaluation:
             recording, played = told[listed.number]

@@ -23,6 +23,7 @@ from safetensors.numpy import load, save
 
 from testsupport.databases import on_postgresql
 from testsupport.finished_runs import make_finished_run
+from testsupport.libraries import replay_of
 from testsupport.workplace import Workplace, make_workplace
 from trainer.archive.run_archive import check_networks, write_archive
 from trainer.policy.networks import load_policy
@@ -156,7 +157,7 @@ def test_an_imported_run_shows_what_it_showed_where_it_was_trained(
                 session,
                 of.id,
                 recordings.as_recording(shown),
-                recordings.replay_of(shown),
+                replay_of(shown),
                 "person",  # type: ignore[arg-type]
             )
     found = brought(elsewhere, store, path, trusted=trusted)

@@ -56,8 +56,6 @@ class Action(IntEnum):
     LEFTFIRE = 5
 
 
-ACTION_COUNT = len(Action)
-
 RAM_SIZE = 128
 RAM_ALIEN_Y = 16
 RAM_ALIENS_LEFT = 17

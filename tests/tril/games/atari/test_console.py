@@ -5,7 +5,7 @@ from tests.tril.conftest import random_actions
 from testsupport.space_invaders import grayscale, new_console, ram, rgb
 from tril.games.atari.console import AtariConsole
 from tril.games.atari.starts import AtariStart
-from tril.games.space_invaders.memory import ACTION_COUNT, INTRO_FRAMES, RAM_PHASE, rom_md5
+from tril.games.space_invaders.memory import INTRO_FRAMES, RAM_PHASE, Action, rom_md5
 
 FRAMES = 300
 
@@ -150,10 +150,10 @@ def test_the_palette_is_right_for_every_colour_that_the_game_can_be_made_to_show
 def test_the_ram_hash_tells_states_apart_and_is_short(console: AtariConsole) -> None:
     console.start(AtariStart(0))
     hashes = {console.state_hash()}
-    for action in range(ACTION_COUNT):
+    for action in range(len(Action)):
         console.act(action)
         hashes.add(console.state_hash())
-    assert len(hashes) == ACTION_COUNT + 1
+    assert len(hashes) == len(Action) + 1
     assert {len(one) for one in hashes} == {16}
 
 

@@ -30,4 +30,4 @@ def test_every_key_can_be_held_from_the_keyboard() -> None:
 @pytest.mark.parametrize("action", Action)
 def test_the_keys_of_an_action_stand_for_it(action: Action) -> None:
     controls = SPACE_INVADERS.controls
-    assert controls.action_for(controls.buttons_for(action)) == action
+    assert controls.action_for(controls.held[action]) == action
