@@ -25,6 +25,7 @@ from tril.store.models import RunDevice, RunRow, Source
 from tril.store.schema import upgrade
 from tril.store.training import leases, runs
 from tril.store.training.leases import Lease
+from tril.teaching.new_run import create_run
 
 FRAMES = 240
 """Length of the test recordings: 60 steps."""
@@ -78,7 +79,7 @@ class Workplace:
     ) -> str:
         """Make a queued run, which goes on whatever the check of its ranking says."""
         with self.database.writing() as session:
-            return runs.create(
+            return create_run(
                 session,
                 self.behaviour_id,
                 recipe,

@@ -25,6 +25,7 @@ from tril.games.behaviours import Behaviour
 from tril.games.measures import Measure, measure_from_json
 from tril.games.settings import GameSettings
 from tril.store import audit, behaviours, borrowed, players, rankings
+from tril.teaching import varied_games
 
 app = typer.Typer(help="The behaviours to teach.", no_args_is_help=True)
 
@@ -157,7 +158,7 @@ def borrow(
         with workspace.database.reading() as session:
             row = find_behaviour(session, behaviour)
         emulator = game_named(row.game).make_console()
-        added = borrowed.add_varied_games(
+        added = varied_games.add_varied_games(
             workspace.database,
             row.id,
             count,

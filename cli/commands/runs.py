@@ -27,6 +27,7 @@ from tril.recipes import RECIPES, Recipe, recipe_named, recipes_for, with_values
 from tril.store import audit, behaviours, players, processes
 from tril.store.models import RunDevice, RunRow
 from tril.store.training import evaluations, runs
+from tril.teaching.new_run import create_run
 
 app = typer.Typer(help="Training runs.", no_args_is_help=True)
 
@@ -55,7 +56,7 @@ def start_run(
 ) -> str:
     """Create and enqueue a run; return its id."""
     with workspace.database.writing() as session:
-        row = runs.create(
+        row = create_run(
             session,
             find_behaviour(session, behaviour).id,
             recipe,

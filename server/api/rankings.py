@@ -37,6 +37,7 @@ from tril.analysis.outcome import WantedAliens
 from tril.analysis.wanted_aliens import Hits
 from tril.store import behaviours, borrowed, library, players, rankings, recordings
 from tril.store.models import RankingRow
+from tril.teaching import varied_games
 
 router = APIRouter(prefix="/behaviours/{behaviour_id}/ranking", tags=["ranking"])
 borrowed_router = APIRouter(prefix="/behaviours/{behaviour_id}/borrowed", tags=["ranking"])
@@ -146,7 +147,7 @@ def add_varied_games(
     services = services_of(request)
     with services.database.reading() as session:
         game = behaviours.get(session, behaviour_id).game
-    ids = borrowed.add_varied_games(
+    ids = varied_games.add_varied_games(
         services.database,
         behaviour_id,
         wish.count,

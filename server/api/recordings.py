@@ -220,7 +220,7 @@ def _exported(
 @router.get("/recordings/{recording_id}", responses=NOT_FOUND)
 def get_recording(session: ReadSession, who: Who, recording_id: RecordingId) -> Recording:
     """Return a recording, even a deleted one."""
-    return RecordingViews(session, who).one(recordings.get(session, recording_id))
+    return RecordingViews(session, who).view(recordings.get(session, recording_id))
 
 
 @router.patch("/recordings/{recording_id}", responses=NOT_FOUND | CONFLICT)
@@ -230,7 +230,7 @@ def update_recording(
     """Mark a recording as perfect or not, or change its notes."""
     row = recordings.get(session, recording_id)
     recordings.update(session, row, update.perfect, update.notes, who.player_id)
-    return RecordingViews(session, who).one(row)
+    return RecordingViews(session, who).view(row)
 
 
 @router.delete("/recordings/{recording_id}", status_code=204, responses=NOT_FOUND | CONFLICT)
@@ -245,7 +245,7 @@ def keep_recording(session: WriteSession, who: Who, recording_id: RecordingId) -
     """Put a finished game into the library."""
     row = recordings.get(session, recording_id)
     recordings.keep(session, row)
-    return RecordingViews(session, who).one(row)
+    return RecordingViews(session, who).view(row)
 
 
 @router.post("/recordings/{recording_id}/discard", responses=NOT_FOUND | CONFLICT)
@@ -253,7 +253,7 @@ def discard_recording(session: WriteSession, who: Who, recording_id: RecordingId
     """Delete a recording and return it; it can be restored."""
     row = recordings.get(session, recording_id)
     recordings.delete(session, [row], who.player_id)
-    return RecordingViews(session, who).one(row)
+    return RecordingViews(session, who).view(row)
 
 
 @router.post("/recordings/{recording_id}/restore", responses=NOT_FOUND | CONFLICT)
@@ -261,7 +261,7 @@ def restore_recording(session: WriteSession, who: Who, recording_id: RecordingId
     """Restore a deleted recording, in the rankings too."""
     row = recordings.get(session, recording_id)
     recordings.restore(session, [row], who.player_id)
-    return RecordingViews(session, who).one(row)
+    return RecordingViews(session, who).view(row)
 
 
 @router.get("/recordings/{recording_id}/course", responses=NOT_FOUND)

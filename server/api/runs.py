@@ -28,6 +28,7 @@ from tril.games import DEFAULT_GAME, game_named, game_of
 from tril.recipes import recipe_named, recipes_for, with_values
 from tril.store import behaviours
 from tril.store.training import metrics, runs
+from tril.teaching import new_run
 
 MOST_STEPS = 2_000
 """Of a stage in one answer: a screen is no wider."""
@@ -92,7 +93,7 @@ def create_run(request: Request, who: Who, new: RunNew) -> Run:
         recipe = recipe_named(new.recipe, game_of(taught).pretrained)
         if new.learning_rate is not None:
             recipe = with_values(recipe, {"policy.learning_rate": new.learning_rate})
-        row = runs.create(
+        row = new_run.create_run(
             session,
             new.behaviour_id,
             recipe,

@@ -16,6 +16,7 @@ from tril.recipes import FAST
 from tril.store import behaviours
 from tril.store.models import RunStatus
 from tril.store.training import runs
+from tril.teaching.new_run import create_run
 
 CELL = LedgerCell.of("column-1", TINY, 256, 0)
 
@@ -23,7 +24,7 @@ CELL = LedgerCell.of("column-1", TINY, 256, 0)
 def example_run(workplace: Workplace, behaviour_id: int, status: RunStatus) -> str:
     """Make a run on scripted demonstrations that ended with a status."""
     with workplace.database.writing() as session:
-        row = runs.create(session, behaviour_id, TINY, CELL.steps, 0, example=True)
+        row = create_run(session, behaviour_id, TINY, CELL.steps, 0, example=True)
         row.status = status
         return row.id
 

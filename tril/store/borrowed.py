@@ -1,37 +1,29 @@
-"""What a behaviour's ranking may hold beside its library: borrowed games, and varied ones.
+"""What a behaviour's ranking may hold beside its library: borrowed games.
 
 A borrowed game is of another behaviour, or was played by a policy of any; it stays what it is, and
-the borrowing behaviour's ranking may hold it. Varied games are borrowed from other behaviours'
-libraries and varied play: a ranking of games of one kind shows few ways of being bad, and a reward
-learned from it generalises badly.
+the borrowing behaviour's ranking may hold it. `tril.teaching.varied_games` adds many at once.
 """
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Collection, Hashable, Sequence
+from collections.abc import Collection
 
-import numpy as np
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from tril.analysis.variety import Traits
 from tril.errors import Conflict, NotFound
 from tril.games import game_of
-from tril.recording import Verified
 from tril.store import behaviours, rankings, recordings
 from tril.store.changes import note_change
-from tril.store.database import Database
 from tril.store.models import (
     BehaviourRow,
     BorrowedGameRow,
     RecordingRow,
-    Source,
 )
 
 N_LENGTHS = 3
 """Classes of length that borrowed games are spread over, each an equal part of a whole game."""
-
-Traits = tuple[Hashable, ...]
 
 
 def listing(session: Session, behaviour_id: int) -> list[RecordingRow]:
@@ -56,7 +48,7 @@ def borrow(session: Session, behaviour_id: int, recording_ids: Collection[int]) 
     if unknown := sorted(set(recording_ids) - rows.keys()):
         raise NotFound(f"There are no such recordings: {', '.join(map(str, unknown))}.")
     new = [row for key, row in sorted(rows.items()) if key not in held]
-    reasons = [(row.id, _why_not_lent(session, behaviour_id, row)) for row in new]
+    reasons = [(row.id, _borrow_refusal(session, behaviour_id, row)) for row in new]
     if refused := [f"recording {key} {reason}" for key, reason in reasons if reason]:
         raise Conflict(f"Nothing was added to the ranking's games: {', '.join(refused)}.")
     session.add_all(BorrowedGameRow(behaviour_id=behaviour_id, recording_id=row.id) for row in new)
@@ -83,81 +75,18 @@ def give_back(session: Session, behaviour_id: int, recording_id: int) -> None:
     note_change(session, "ranking", behaviour_id)
 
 
-def add_varied_games(
-    database: Database,
-    behaviour_id: int,
-    count: int,
-    play: Callable[[int], Verified],
-    rng: np.random.Generator,
-) -> list[int]:
-    """Add varied games to those that a behaviour's ranking may hold, in one transaction.
-
-    At most half of them are borrowed, evenly over behaviours, sources and lengths; the others are
-    varied play, made now, and belong to the behaviour. No transaction is open while they are made.
-
-    Args:
-        database: The database.
-        behaviour_id: Whose ranking may hold them.
-        count: How many.
-        play: Plays a game of varied play, from a seed.
-        rng: Source of all random choices.
-
-    Returns:
-        The borrowed recordings, then those of varied play.
-
-    Raises:
-        NotFound: No such behaviour.
-    """
-    with database.reading() as session:
-        behaviours.get(session, behaviour_id)
-        possible = _borrowable(session, behaviour_id)
-    places = pick_evenly(list(possible.values()), count // 2, rng)
-    chosen = [list(possible)[place] for place in places]
-    games = [play(int(seed)) for seed in rng.integers(2**63, size=count - len(chosen))]
-    with database.writing() as session:
-        behaviours.get(session, behaviour_id)
-        # Some may have been deleted, or borrowed, meanwhile.
-        borrow(session, behaviour_id, _borrowable(session, behaviour_id).keys() & chosen)
-        made = [
-            recordings.add(session, behaviour_id, game.recording, game.replay, Source.VARIED).id
-            for game in games
-        ]
-    return chosen + made
-
-
-def pick_evenly(traits: Sequence[Traits], count: int, rng: np.random.Generator) -> list[int]:
-    """Pick items so that each of their traits is spread evenly, and else at random.
-
-    Args:
-        traits: The traits of each item, as many of each.
-        count: How many to pick, if there are as many.
-        rng: Source of the choice among equals.
-
-    Returns:
-        Indices into ``traits``.
-    """
-    left = rng.permutation(len(traits)).tolist()
-    n_picked: Counter[tuple[int, Hashable]] = Counter()
-    picked = []
-    for _ in range(min(count, len(traits))):
-        best = min(left, key=lambda item: sum(n_picked[trait] for trait in enumerate(traits[item])))
-        left.remove(best)
-        n_picked.update(enumerate(traits[best]))
-        picked.append(best)
-    return picked
-
-
-def _why_not_lent(session: Session, behaviour_id: int, row: RecordingRow) -> str | None:
+def _borrow_refusal(session: Session, behaviour_id: int, row: RecordingRow) -> str | None:
+    """Return why a behaviour can't borrow a recording, None if it can."""
     if row.behaviour_id == behaviour_id and row.run_id is None:
         return "is in the behaviour's library, so that it can be ranked already"
     if session.get_one(BehaviourRow, row.behaviour_id).deleted_at is not None:
         return "is of a deleted behaviour"
     if row.game != session.get_one(BehaviourRow, behaviour_id).game:
         return "is of another game"
-    return rankings.why_unrankable(row)
+    return rankings.ranking_refusal(row)
 
 
-def _borrowable(session: Session, behaviour_id: int) -> dict[int, Traits]:
+def borrowable(session: Session, behaviour_id: int) -> dict[int, Traits]:
     """Return the behaviour, source and class of length of what other libraries could lend."""
     game = game_of(behaviours.as_behaviour(session.get_one(BehaviourRow, behaviour_id)))
     max_frames = game.clock.max_frames

@@ -170,7 +170,7 @@ def redo(
     return _add(session, newest, _still_rankable(session, undone), player_id, "redo", **links)
 
 
-def take_out(
+def remove_recordings(
     session: Session, recording_ids: Collection[int], player_id: int | None = None
 ) -> None:
     """Save a revision without deleted recordings of each ranking that holds any of them.
@@ -378,11 +378,11 @@ def refuse_unrankable(session: Session, behaviour_id: int, ranking: Ranking) -> 
         return
     query = select(RecordingRow).where(RecordingRow.id.in_(wrong))
     rows = {row.id: row for row in session.scalars(query)}
-    reasons = (f"recording {key} {_why_not(rows.get(key))}" for key in wrong)
+    reasons = (f"recording {key} {_refusal(rows.get(key))}" for key in wrong)
     raise Invalid(f"This order can't be used: {', '.join(reasons)}. Take it out of the ranking.")
 
 
-def why_unrankable(row: RecordingRow) -> str | None:
+def ranking_refusal(row: RecordingRow) -> str | None:
     """Say what of RANKABLE doesn't hold of a recording: "is not verified"; None if all does."""
     if row.deleted_at is not None:
         return "has been deleted"
@@ -393,9 +393,9 @@ def why_unrankable(row: RecordingRow) -> str | None:
     return None
 
 
-def _why_not(row: RecordingRow | None) -> str:
+def _refusal(row: RecordingRow | None) -> str:
     if row is None:
         return "does not exist"
     if row.run_id is not None:
-        return why_unrankable(row) or "belongs to a training and is not borrowed"
-    return why_unrankable(row) or "is of another behaviour and not borrowed"
+        return ranking_refusal(row) or "belongs to a training and is not borrowed"
+    return ranking_refusal(row) or "is of another behaviour and not borrowed"

@@ -308,7 +308,7 @@ def delete(session: Session, rows: Sequence[RecordingRow], player_id: int | None
         audit.note(session, audit.Action.DELETED, player_id, f"recording {row.id}")
     note_recordings(session, gone)
     session.flush()
-    rankings.take_out(session, [row.id for row in gone], player_id)
+    rankings.remove_recordings(session, [row.id for row in gone], player_id)
 
 
 def restore(session: Session, rows: Sequence[RecordingRow], player_id: int | None = None) -> None:

@@ -58,9 +58,9 @@ class RecordingViews:
 
     def all(self, rows: Iterable[RecordingRow]) -> list[Recording]:
         """Show recordings in the given order."""
-        return [self.one(row) for row in rows]
+        return [self.view(row) for row in rows]
 
-    def one(self, row: RecordingRow) -> Recording:
+    def view(self, row: RecordingRow) -> Recording:
         """Show a recording."""
         shown_for = self._behaviour_id or row.behaviour_id
         borrowed = shown_for != row.behaviour_id or row.id in self._borrowed_by(shown_for)

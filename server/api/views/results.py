@@ -51,6 +51,7 @@ from tril.store.training.alarms import alarm_of
 from tril.store.training.demonstrations import best_demonstration
 from tril.store.training.judged_games import judged_games
 from tril.store.training.verdicts import verdict_of
+from tril.teaching import proposals
 
 
 def artifact_view(row: ArtifactRow) -> Artifact:
@@ -68,11 +69,11 @@ def run_results(session: Session, who: Identity, run: RunRow) -> RunResults:
     headline_starts = recipe_from_dict(run.recipe).evaluation.start_numbers
     further = sorted({row.start_number for row in games} - set(headline_starts))
     demonstrations = recordings.by_ids(session, [i for tier in tiers for i in tier])
-    shown = {key: views.one(row) for key, row in demonstrations.items()}
+    shown = {key: views.view(row) for key, row in demonstrations.items()}
     best = best_demonstration(session, run)
     said = verdict_of(session, run, alarm)
     n_targets = behaviours.n_targets(session, run.behaviour_id)
-    proposed = evaluations.proposed_games(games, headline_starts, n_targets)
+    proposed = proposals.proposed_games(games, headline_starts, n_targets)
     return RunResults(
         run=run_view(session, run),
         verdict=None if said is None else Verdict.model_validate(said),
@@ -84,7 +85,7 @@ def run_results(session: Session, who: Identity, run: RunRow) -> RunResults:
         training_games=_training_games(session, run.id, views),
         summaries=_summaries(games, n_targets),
         measures=_measures(session, run, games, demonstrations.values()),
-        best_demonstration=None if best is None else views.one(best),
+        best_demonstration=None if best is None else views.view(best),
         alarm=None if alarm is None else RewardAlarm.model_validate(alarm),
         judged=[JudgedGames.model_validate(one) for one in judged_games(session, run, games)],
         attention=_attention(files),
@@ -95,7 +96,7 @@ def run_results(session: Session, who: Identity, run: RunRow) -> RunResults:
 
 def _training_games(session: Session, run_id: str, views: RecordingViews) -> TrainingGames | None:
     steps, rows = training_games.latest(session, run_id)
-    return TrainingGames(steps=steps, games=[views.one(row) for row in rows]) if rows else None
+    return TrainingGames(steps=steps, games=[views.view(row) for row in rows]) if rows else None
 
 
 def _check(
@@ -131,7 +132,7 @@ def _check(
 
 
 def _game(row: EvaluationRow, views: RecordingViews) -> EvaluationGame:
-    return EvaluationGame.of(row, recording=views.one(row.recording))
+    return EvaluationGame.of(row, recording=views.view(row.recording))
 
 
 def _comparison(

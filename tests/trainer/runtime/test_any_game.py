@@ -15,7 +15,8 @@ from tril.games.settings import GameSettings
 from tril.recipes import PAPER, with_values
 from tril.store import behaviours, rankings, recordings
 from tril.store.models import RunStatus, Source
-from tril.store.training import evaluations, runs
+from tril.store.training import evaluations
+from tril.teaching.new_run import create_run
 
 TINY_PAPER = with_values(
     PAPER,
@@ -51,7 +52,7 @@ def test_a_run_in_an_environment_is_learned_and_evaluated(workplace: Workplace, 
             for number, played in enumerate(reversed(games))
         ]
         rankings.save(session, behaviour.id, 0, [[number] for number in ids])
-        run_id = runs.create(session, behaviour.id, TINY_PAPER, 64, 0, go_on_anyway=True).id
+        run_id = create_run(session, behaviour.id, TINY_PAPER, 64, 0, go_on_anyway=True).id
     pipeline = Pipeline(workplace.database, workplace.settings, "worker-0", threading.Event())
     assert pipeline.train(run_id, pipeline.run_stage) == RunStatus.DONE, workplace.run(
         run_id

@@ -34,13 +34,14 @@ from trainer.runtime.worker import sweep_until
 from tril.analysis.outcome import RunOutcome, RunSnapshot
 from tril.demonstrators import example_tasks
 from tril.errors import Invalid, Unavailable
-from tril.files.artifact_store import ArtifactStore, StoreAway
+from tril.files.artifact_store import ArtifactStore, ArtifactStoreUnavailable
 from tril.games.base import Console
 from tril.recipes import with_values
 from tril.stages import Stage, stages_of
 from tril.store import behaviours, borrowed, rankings, recordings
 from tril.store.models import RunStatus, Source
 from tril.store.training import artifacts, leases, runs, training_games
+from tril.teaching.new_run import create_run
 
 NAME = "worker-0"
 
@@ -162,7 +163,7 @@ def test_a_run_that_is_done_stays_done_although_its_copies_cannot_be_removed(
     pipeline = sharing(workplace, shared)
 
     def refuse(_store: ArtifactStore, _path: str) -> None:
-        raise StoreAway(OSError("refused"))
+        raise ArtifactStoreUnavailable(OSError("refused"))
 
     lease = workplace.lease(run_id, NAME)
     with workplace.database.writing() as session:
@@ -330,7 +331,7 @@ def test_an_imitator_can_be_seen_ranked_and_continued_while_it_learns(
     with workplace.database.writing() as session:
         games = found[-1][1][1]
         borrowed.borrow(session, workplace.behaviour_id, [game.id for game in games])
-        child = runs.create(session, 1, TINY, 64, 0, parent_run_id=run_id)
+        child = create_run(session, 1, TINY, 64, 0, parent_run_id=run_id)
         assert child.parent_run_id == run_id
 
 
@@ -374,7 +375,7 @@ def make_example(
     workplace: Workplace, behaviour_id: int, kind: str = "scripted", training_seed: int = 0
 ) -> str:
     with workplace.database.writing() as session:
-        return runs.create(
+        return create_run(
             session, behaviour_id, TINY, 64, training_seed, example=True, example_kind=kind
         ).id
 

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from collections import Counter
-
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from testsupport.workplace import Workplace
 from tril.demonstrators import play_randomly
@@ -15,9 +11,10 @@ from tril.errors import Conflict, Invalid, NotFound
 from tril.games.space_invaders import SPACE_INVADERS
 from tril.recording import Verified
 from tril.store import behaviours, borrowed, rankings, recordings
-from tril.store.borrowed import add_varied_games, pick_evenly
 from tril.store.models import BorrowedGameRow, Source, Verification
 from tril.store.training import runs
+from tril.teaching.new_run import freeze_ranking
+from tril.teaching.varied_games import add_varied_games
 
 N_OTHERS = 3
 COUNT = 8
@@ -85,7 +82,7 @@ def test_a_run_learns_from_borrowed_games_but_clones_only_its_own(
     borrow(workplace, others)
     rank(workplace, [[best], others])
     with workplace.database.reading() as session:
-        frozen = runs.snapshot(session, workplace.behaviour_id)
+        frozen = freeze_ranking(session, workplace.behaviour_id)
     assert frozen.tiers == [[best], others]
     assert frozen.perfect == [best]
 
@@ -200,7 +197,7 @@ def test_a_policys_game_is_ranked_once_it_is_borrowed_by_its_own_behaviour_or_an
         newest = rankings.current(session, workplace.behaviour_id)
         assert rankings.unranked(session, newest)[0] == second
         library = recordings.listing(session, workplace.behaviour_id)
-        frozen = runs.snapshot(session, workplace.behaviour_id)
+        frozen = freeze_ranking(session, workplace.behaviour_id)
     assert set(by_policy).isdisjoint(row.id for row in library)
     assert (frozen.tiers, frozen.perfect) == ([[first], [best]], [best])
     with workplace.database.writing() as session:
@@ -289,32 +286,3 @@ def test_half_of_the_varied_games_are_borrowed_while_there_are_enough(
     assert len(made) == len(seeds)
     assert {row.verification for row in made} == {Verification.VERIFIED}
     assert {row.player_id for row in made} == {None}
-
-
-@given(
-    st.lists(st.tuples(st.integers(0, 3), st.integers(0, 2)), max_size=40),
-    st.integers(0, 30),
-    st.integers(0, 5),
-)
-def test_picked_items_are_distinct_and_as_many_as_possible(
-    traits: list[tuple[int, int]], count: int, seed: int
-) -> None:
-    picked = pick_evenly(traits, count, np.random.default_rng(seed))
-    assert len(picked) == min(count, len(traits))
-    assert len(set(picked)) == len(picked)
-    assert set(picked) <= set(range(len(traits)))
-
-
-def test_a_common_kind_does_not_crowd_out_a_rare_one() -> None:
-    traits = [("column-2", "person", 2)] * 50 + [
-        (slug, source, length)
-        for slug in ("column-2", "column-3", "own")
-        for source in ("person", "scripted")
-        for length in range(3)
-    ]
-    picked = pick_evenly(traits, 12, np.random.default_rng(0))
-    for place, n_values in enumerate((3, 2, 3)):
-        counts = Counter(traits[item][place] for item in picked)
-        assert len(counts) == n_values
-        assert max(counts.values()) - min(counts.values()) <= 2
-    assert picked != pick_evenly(traits, 12, np.random.default_rng(1))

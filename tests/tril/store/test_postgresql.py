@@ -20,7 +20,8 @@ from tril.store.changes import ChangeReader, note_change
 from tril.store.database import Database, create_database, database_now
 from tril.store.models import ChangeRow
 from tril.store.schema import upgrade
-from tril.store.training import leases, runs
+from tril.store.training import leases
+from tril.teaching.new_run import create_run
 
 TEMPLATE = "tril_migrated"
 
@@ -177,7 +178,7 @@ def test_a_writer_that_is_silent_for_long_holds_the_others_up_no_more(
 def test_a_lease_with_an_older_epoch_writes_nothing_more(database: Database) -> None:
     with database.writing() as session:
         behaviour_id = behaviours.by_slug(session, "column-1").id
-        run_id = runs.create(session, behaviour_id, FAST, 10, 0, example=True).id
+        run_id = create_run(session, behaviour_id, FAST, 10, 0, example=True).id
         processes.beat(session, "worker-0", "worker", {})
     n_workers = 4
     barrier = threading.Barrier(n_workers)

@@ -23,6 +23,7 @@ from tril.store.database import Database, create_database, use_wal
 from tril.store.models import Base, RecordingRow, Source
 from tril.store.schema import alembic_config, check_schema, upgrade
 from tril.store.training import runs
+from tril.teaching.new_run import create_run
 
 
 def open_database(folder: Path) -> Database:
@@ -93,8 +94,8 @@ def test_a_downgrade_to_a_version_without_parents_keeps_the_runs(database: Datab
     upgrade(database)
     with database.writing() as session:
         column_1 = behaviours.by_slug(session, "column-1").id
-        parent = runs.create(session, column_1, FAST, 10, 0, example=True)
-        child = runs.create(session, column_1, FAST, 10, 0, example=True)
+        parent = create_run(session, column_1, FAST, 10, 0, example=True)
+        child = create_run(session, column_1, FAST, 10, 0, example=True)
         child.parent_run_id = parent.id
     with database.engine.execution_options(tril_writes=True).begin() as connection:
         config = alembic_config()

@@ -10,6 +10,7 @@ from trainer.runtime.policy_games import add_game, verify_games
 from trainer.runtime.run_data import RunData
 from tril.games.base import Console
 from tril.store.training import leases, training_games
+from tril.teaching.proposals import pick_training_games
 
 
 def keep_snapshot(data: RunData, snapshot: Snapshot, path: Path, console: Console) -> None:
@@ -34,7 +35,7 @@ def keep_snapshot(data: RunData, snapshot: Snapshot, path: Path, console: Consol
         if training_games.latest(session, context.run_id)[0] == snapshot.steps:
             return
     outcomes = [(tuple(one.cell for one in game.taken), game.died) for game in snapshot.games]
-    picked = [snapshot.games[i] for i in training_games.pick(context.behaviour, outcomes)]
+    picked = [snapshot.games[i] for i in pick_training_games(context.behaviour, outcomes)]
     verified = verify_games(context, picked, console)
     sticky = context.recipe.policy.sticky_action_probability
     steps = {training_games.STEPS: snapshot.steps}

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
-import numpy as np
 from sqlalchemy import select
 from sqlalchemy.orm import Session, joinedload
 
 from tril.analysis.summary import GameFigures, Policy, PolicySummary, summarise
 from tril.games import game_named
 from tril.games.behaviours import Score
-from tril.store.borrowed import pick_evenly
 from tril.store.changes import note_change
 from tril.store.models import EvaluationRow
 
@@ -24,10 +22,6 @@ ACTION_SELECTIONS: tuple[ActionSelection, ...] = ("greedy", "sampled", "sticky")
 """How a policy's actions are selected: the likeliest one; drawn by their probabilities; the
 likeliest one, while the machine repeats actions at random. Runs of earlier versions have no sticky
 games."""
-
-
-N_PROPOSED = 8
-"""Games of an imitator that are proposed for the ranking at most."""
 
 
 class EvaluationKey(NamedTuple):
@@ -93,43 +87,6 @@ def listing(session: Session, run_id: str) -> list[EvaluationRow]:
         .order_by(EvaluationRow.start_number, EvaluationRow.policy, EvaluationRow.action_selection)
     )
     return list(session.scalars(query))
-
-
-def proposed_games(
-    games: Sequence[EvaluationRow], kept_starts: Collection[int], n_targets: int | None
-) -> list[EvaluationRow]:
-    """Return the games of the imitator that a person had best rank: few, and unlike each other.
-
-    They are greedy and sticky ones, which show what the imitator does at its best and where it
-    doesn't recover, spread evenly over action selections, targets and strays, or over the number of
-    items taken for a behaviour without target cells. Where all of them are perfect, which teaches
-    nothing, sampled ones that are not are added. A later run that learns from a game takes its
-    start for seen, so some starts are kept for its headline figures.
-
-    Args:
-        games: A run's evaluation games, loaded with their recordings.
-        kept_starts: Starts to leave out, unless there are games from no others.
-        n_targets: Target cells of the behaviour, None without any.
-
-    Returns:
-        At most N_PROPOSED, by start number; the same ones for the same games.
-    """
-    own = [g for g in games if g.policy == "imitator"]
-    starts = {g.start_number for g in own if g.action_selection != "sampled"}
-    shown = [g for g in own if g.start_number in (starts - set(kept_starts) or starts)]
-    candidates = [g for g in shown if g.action_selection != "sampled"]
-    if all(figures_of(g, n_targets).perfect for g in candidates):
-        candidates = [
-            g
-            for g in shown
-            if g.action_selection != "sampled" or not figures_of(g, n_targets).perfect
-        ]
-    traits = [
-        (g.action_selection, len(g.recording.taken) if g.targets is None else g.targets, g.strays)
-        for g in candidates
-    ]
-    picked = pick_evenly(traits, N_PROPOSED, np.random.default_rng(0))
-    return [candidates[place] for place in sorted(picked)]
 
 
 def figures_of(row: EvaluationRow, n_targets: int | None = None) -> GameFigures:

@@ -2,17 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-import numpy as np
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from tril.games.base import Cell
-from tril.games.behaviours import Behaviour, score
-from tril.store.borrowed import Traits, pick_evenly
+from tril.analysis.variety import N_PROPOSED
 from tril.store.models import EvaluationRow, RecordingRow
-from tril.store.training.evaluations import N_PROPOSED
 
 STEPS = "steps"
 """In a recording's conditions: training steps behind the policy that played it."""
@@ -36,23 +30,3 @@ def latest(session: Session, run_id: str) -> tuple[int, list[RecordingRow]]:
         return 0, []
     steps: int = rows[0].conditions[STEPS]
     return steps, [row for row in reversed(rows) if row.conditions[STEPS] == steps]
-
-
-def pick(behaviour: Behaviour, games: Sequence[tuple[Sequence[Cell], bool]]) -> Sequence[int]:
-    """Return which games to keep: few, and unlike each other.
-
-    Args:
-        behaviour: What is taught.
-        games: Of each, the items taken, in order of time, and whether the player died.
-
-    Returns:
-        At most N_PROPOSED indices, in order; the same ones for the same games.
-    """
-    traits = [_traits(behaviour, cells, died) for cells, died in games]
-    return sorted(pick_evenly(traits, N_PROPOSED, np.random.default_rng(0)))
-
-
-def _traits(behaviour: Behaviour, cells: Sequence[Cell], died: bool) -> Traits:
-    found = score(behaviour, tuple(cells))
-    targets, strays = (len(cells), 0) if found is None else (found.targets, found.strays)
-    return targets, strays, died
