@@ -22,24 +22,24 @@ _IPV6_NETWORK = 64
 """A household or a host has so many bits of an IPv6 address for itself."""
 
 
-class Place:
-    """A connection's place, which it leaves once it has closed.
+class ConnectionSlot:
+    """A slot that a connection holds until it has closed.
 
     Attributes:
         address: Where the connection comes from.
         is_spare: Whether only the health check is answered.
     """
 
-    def __init__(self, address: str, is_spare: bool, leave: Callable[[], None]) -> None:
+    def __init__(self, address: str, is_spare: bool, release: Callable[[], None]) -> None:
         self.address = address
         self.is_spare = is_spare
-        self._leave: Callable[[], None] | None = leave
+        self._release: Callable[[], None] | None = release
 
-    def leave(self) -> None:
-        """Let another connection have the place."""
-        leave, self._leave = self._leave, None
-        if leave is not None:
-            leave()
+    def release(self) -> None:
+        """Free the slot for another connection."""
+        release, self._release = self._release, None
+        if release is not None:
+            release()
 
 
 class Connections:
@@ -72,8 +72,8 @@ class Connections:
         """Number of connections that are served."""
         return self._n_served.total()
 
-    def enter(self, address: str) -> Place | None:
-        """Return a place for a new connection; None if it is to be closed at once."""
+    def acquire(self, address: str) -> ConnectionSlot | None:
+        """Return a slot for a new connection; None if it is to be closed at once."""
         if not self._may_connect(address):
             return None
         source = _source(address)
@@ -82,18 +82,18 @@ class Connections:
             is_bounded and self._n_served[source] >= self._per_address
         ):
             self._n_served[source] += 1
-            return Place(source, False, lambda: self._leave(source))
+            return ConnectionSlot(source, False, lambda: self._release(source))
         if self._n_spare < N_SPARE:
             self._n_spare += 1
-            return Place(source, True, self._leave_spare)
+            return ConnectionSlot(source, True, self._release_spare)
         return None
 
-    def _leave(self, source: str) -> None:
+    def _release(self, source: str) -> None:
         self._n_served[source] -= 1
         if not self._n_served[source]:
             del self._n_served[source]
 
-    def _leave_spare(self) -> None:
+    def _release_spare(self) -> None:
         self._n_spare -= 1
 
 

@@ -12,7 +12,7 @@ from starlette.types import Receive, Scope, Send
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from server.concurrency import RETRY_AFTER_S
-from server.web.connections import Connections, Place
+from server.web.connections import Connections, ConnectionSlot
 from server.web.middleware import PUBLIC_PATHS, SecurityHeaders
 from server.web.problems import problem
 from server.web.security_headers import ENCODED_SECURITY_HEADERS
@@ -33,7 +33,7 @@ MAX_QUERY_FIELDS = 512
 HEAD_TIMEOUT_S = 20.0
 
 SPARE_TIMEOUT_S = 2.0
-"""The same for connections that have no place."""
+"""The same for connections that have no slot."""
 
 
 class ServerConfig(uvicorn.Config):
@@ -92,7 +92,7 @@ class _BoundedParser(h11.Connection):
 class HttpProtocol(H11Protocol):
     """uvicorn's HTTP/1.1, which bounds what connections take.
 
-    A connection needs a place; without one it gets 503, except for the health check. What is
+    A connection needs a slot; without one it gets 503, except for the health check. What is
     received is taken in in turns, also requests that a client sends without waiting for answers.
     Connections on which a request never gets complete are closed.
 
@@ -101,7 +101,7 @@ class HttpProtocol(H11Protocol):
     """
 
     config: ServerConfig
-    _place: Place | None = None
+    _slot: ConnectionSlot | None = None
     _timeout: asyncio.TimerHandle | None = None
     _has_turn = False
 
@@ -110,45 +110,45 @@ class HttpProtocol(H11Protocol):
         self.conn = _BoundedParser(h11.SERVER, MAX_HEAD_BYTES)
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """Take a place and expect a request."""
+        """Acquire a slot and expect a request."""
         super().connection_made(transport)
         self._received = bytearray()
         address = self.client[0] if self.client else ""
-        self._place = self.config.connections.enter(address)
-        if self._place is None:
+        self._slot = self.config.connections.acquire(address)
+        if self._slot is None:
             transport.abort()
             return
-        if self._place.is_spare:
+        if self._slot.is_spare:
             self.app = SecurityHeaders(_OnlyHealth(self.app))
             self.timeout_keep_alive = 0
         self._watch()
 
     def data_received(self, data: bytes) -> None:
         """Take in a part of a request when it is this connection's turn."""
-        if self._place is None:
+        if self._slot is None:
             return
         waits = bool(self._received)
         self._received += data
         self.flow.pause_reading()
         if not waits:
-            self.config.connections.turns.take(self._place.address, self._take_in)
+            self.config.connections.turns.take(self._slot.address, self._take_in)
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Leave the place."""
+        """Free the slot."""
         self._stop_watching()
-        if self._place is not None:
-            self._place.leave()
+        if self._slot is not None:
+            self._slot.release()
         super().connection_lost(exc)
 
     def handle_websocket_upgrade(self, event: h11.Request) -> None:
-        """Hand the connection and its place to the WebSocket."""
+        """Hand the connection and its slot to the WebSocket."""
         # Of the lists in a handshake none is of use: no subprotocol and no extension is spoken.
         kept = [(name, value) for name, value in self.headers if name not in _UNUSED_IN_HANDSHAKES]
         self.headers = [*kept, (b"connection", b"Upgrade")]
         super().handle_websocket_upgrade(event)
         self._stop_watching()
         websocket = self.transport.get_protocol()
-        websocket.place, self._place = self._place, None  # type: ignore[attr-defined]
+        websocket.slot, self._slot = self._slot, None  # type: ignore[attr-defined]
 
     def on_response_complete(self) -> None:
         """Expect what is left of the request, or the next one."""
@@ -176,11 +176,11 @@ class HttpProtocol(H11Protocol):
         """Parse what was received; the next request that is here already in its turn."""
         if self._has_turn:
             super().handle_events()
-        elif self._place is not None and self.conn.trailing_data[0] and not self._received:
-            self.config.connections.turns.take(self._place.address, self._take_in)
+        elif self._slot is not None and self.conn.trailing_data[0] and not self._received:
+            self.config.connections.turns.take(self._slot.address, self._take_in)
 
     def _should_upgrade(self) -> bool:
-        is_spare = self._place is not None and self._place.is_spare
+        is_spare = self._slot is not None and self._slot.is_spare
         return not is_spare and super()._should_upgrade()
 
     def _take_in(self) -> None:
@@ -207,7 +207,7 @@ class HttpProtocol(H11Protocol):
         if not is_owed:
             self._stop_watching()
         elif self._timeout is None:
-            is_spare = self._place is not None and self._place.is_spare
+            is_spare = self._slot is not None and self._slot.is_spare
             timeout_s = SPARE_TIMEOUT_S if is_spare else HEAD_TIMEOUT_S
             self._timeout = self.loop.call_later(timeout_s, self.transport.close)
 

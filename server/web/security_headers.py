@@ -1,4 +1,4 @@
-"""Headers of every answer, whoever gives it."""
+"""Security headers added to every response."""
 
 SECURITY_HEADERS = {
     # Inline styles are what drag and drop and charts set on elements; scripts come from files.

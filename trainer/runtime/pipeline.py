@@ -36,7 +36,7 @@ from trainer.runtime.scratch import (
 from trainer.runtime.stages import STAGE_WORK
 from trainer.runtime.versions import versions
 from tril.errors import TrilError
-from tril.files.artifact_store import DISK_FULL, ArtifactStore, StoreAway
+from tril.files.artifact_store import DISK_FULL, ArtifactStore, ArtifactStoreUnavailable
 from tril.jobs import RunEta
 from tril.recipes import recipe_from_dict
 from tril.settings import Settings
@@ -110,10 +110,10 @@ class Pipeline:
         if self._copies_checkpoints:
             try:
                 found += self._artifacts.names(COPIES)
-            except StoreAway as problem:
+            except ArtifactStoreUnavailable as problem:
                 log.warning("Old copies of checkpoints could not be looked for: %s", problem)
         with self._database.reading() as session:
-            past = runs.past_resuming(session, set(found))
+            past = runs.not_resumable(session, set(found))
         for run_id in past:
             self._remove_checkpoints(run_id)
 
@@ -122,7 +122,7 @@ class Pipeline:
         if self._copies_checkpoints:
             try:
                 self._artifacts.remove_folder(f"{COPIES}/{run_id}")
-            except StoreAway as problem:
+            except ArtifactStoreUnavailable as problem:
                 # The next sweep finds them.
                 log.warning("Run %s: its copies could not be removed: %s", run_id, problem)
 
@@ -151,10 +151,10 @@ class Pipeline:
             return True
         try:
             self._artifacts.check(self._worker)
-        except StoreAway as problem:
+        except ArtifactStoreUnavailable as problem:
             log.warning("Run %s: %s", run_id, problem)
             with self._database.writing() as session:
-                leases.say_why_it_waits(session, run_id, store_away_message(problem))
+                leases.note_waiting_reason(session, run_id, store_unavailable_message(problem))
             return False
         return True
 
@@ -169,7 +169,7 @@ class Pipeline:
             context = self._context(lease)
             with self._database.writing() as session:
                 leases.keep_versions(session, lease, versions(context.game))
-        except StoreAway as problem:
+        except ArtifactStoreUnavailable as problem:
             return self._wait_for_store(lease, problem)
         except Exception as problem:
             # E.g. a recipe of another version, or the behaviour was deleted.
@@ -243,7 +243,7 @@ class Pipeline:
             self._copy_checkpoints(run_id)
             return self._end(lease, RunStatus.CANCELLED)
         except Exception as problem:
-            if isinstance(problem, StoreAway) and self._copies_checkpoints:
+            if isinstance(problem, ArtifactStoreUnavailable) and self._copies_checkpoints:
                 return self._wait_for_store(lease, problem)
             if isinstance(problem, DBAPIError) and (is_away(problem) or is_busy(problem)):
                 # Nothing is wrong with the run. If it can't be given back, its lease is revoked.
@@ -322,10 +322,10 @@ class Pipeline:
                 stopping=self._stopping,
             )
 
-    def _wait_for_store(self, lease: Lease, problem: StoreAway) -> str:
+    def _wait_for_store(self, lease: Lease, problem: ArtifactStoreUnavailable) -> str:
         """Give a run back to the queue, from which it is taken up when the store can be used."""
         log.warning("Run %s: %s", lease.run_id, problem)
-        write = partial(leases.release, message=store_away_message(problem))
+        write = partial(leases.release, message=store_unavailable_message(problem))
         return self._leave(lease, write, GIVEN_BACK)
 
     def _end(self, lease: Lease, status: RunStatus, message: str = "") -> str:
@@ -350,7 +350,7 @@ class Pipeline:
             log.warning("The log of run %s could not be written: %s", run_id, problem)
 
 
-def store_away_message(problem: StoreAway) -> str:
+def store_unavailable_message(problem: ArtifactStoreUnavailable) -> str:
     """Return what a person reads about a run that waits for the artifact store."""
     return f"{problem} The training goes on by itself as soon as it can be used again."
 

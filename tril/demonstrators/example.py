@@ -146,12 +146,12 @@ def demonstrate(
     else:
         HumanLikePlayer(recorder, wanted, style, error_model, rng).play()
     made = Demonstration(recorder.recording(), recorder.replay(), plan, perfect, error_model)
-    if reason := _why_not(made, best_effort):
+    if reason := _refusal(made, best_effort):
         raise DemonstrationFailed(reason)
     return made
 
 
-def _why_not(made: Demonstration, best_effort: bool) -> str | None:
+def _refusal(made: Demonstration, best_effort: bool) -> str | None:
     """Return why a game doesn't demonstrate its plan, None if it does."""
     hits, end = made.shown.hits, made.replay.end
     if made.perfect and best_effort:

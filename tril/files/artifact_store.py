@@ -27,7 +27,7 @@ S3_OPTIONS: dict[str, Any] = {
 MAX_REASON = 400
 
 
-class StoreAway(Unavailable):
+class ArtifactStoreUnavailable(Unavailable):
     """The artifact store can't be reached, or refuses; later it may not."""
 
     def __init__(self, error: Exception) -> None:
@@ -41,7 +41,7 @@ class ArtifactStore:
     """Files by relative path such as ``runs/<id>/reward-model.safetensors``.
 
     Writes are atomic: in a folder by way of a temporary file, in object stores by themselves.
-    Every method raises StoreAway if the store can't be reached or refuses.
+    Every method raises ArtifactStoreUnavailable if the store can't be reached or refuses.
 
     Args:
         root: Folder or fsspec URL of the store.
@@ -238,19 +238,19 @@ def _reporting(path: str) -> Iterator[None]:
     Raises:
         NotFound: There is no such file.
         Unavailable: The disk is full.
-        StoreAway: Anything else.
+        ArtifactStoreUnavailable: Anything else.
     """
     try:
         yield
     except FileNotFoundError as error:
         if "NoSuchBucket" in str(error):
-            raise StoreAway(error) from error
+            raise ArtifactStoreUnavailable(error) from error
         raise NotFound(f"The file {path} is not in the artifact store.") from None
     except Exception as error:
         # Each package of fsspec has errors of its own.
         if isinstance(error, OSError) and error.errno in {errno.ENOSPC, errno.EDQUOT}:
             raise Unavailable(DISK_FULL) from error
-        raise StoreAway(error) from error
+        raise ArtifactStoreUnavailable(error) from error
 
 
 def _reason(error: Exception) -> str:

@@ -13,7 +13,7 @@ from typing import Any
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 from websockets.http11 import Response
 
-from server.web.connections import Place
+from server.web.connections import ConnectionSlot
 from server.web.security_headers import ENCODED_SECURITY_HEADERS, SECURITY_HEADERS
 
 _LOG = logging.getLogger(__name__)
@@ -53,10 +53,10 @@ class BudgetedWebSocketProtocol(WebSocketsSansIOProtocol):
     """uvicorn's WebSocket protocol; aborts a connection that exceeds its byte budget.
 
     Attributes:
-        place: The connection's place among those of the process.
+        slot: The connection's slot among those of the process.
     """
 
-    place: Place | None = None
+    slot: ConnectionSlot | None = None
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
@@ -72,9 +72,9 @@ class BudgetedWebSocketProtocol(WebSocketsSansIOProtocol):
         return answer
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Leave the place."""
-        if self.place is not None:
-            self.place.leave()
+        """Free the slot."""
+        if self.slot is not None:
+            self.slot.release()
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:

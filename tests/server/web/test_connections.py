@@ -24,15 +24,15 @@ ELSEWHERE = "127.0.0.2"
 
 def test_a_place_is_free_again_once_it_is_left_and_only_once() -> None:
     connections = Connections(at_once=2, per_address=2)
-    first, second = connections.enter("192.0.2.1"), connections.enter("192.0.2.2")
+    first, second = connections.acquire("192.0.2.1"), connections.acquire("192.0.2.2")
     assert first is not None
     assert second is not None
-    spare = connections.enter("192.0.2.3")
+    spare = connections.acquire("192.0.2.3")
     assert spare is not None
     assert spare.is_spare
-    first.leave()
-    first.leave()
-    again = connections.enter("192.0.2.3")
+    first.release()
+    first.release()
+    again = connections.acquire("192.0.2.3")
     assert again is not None
     assert not again.is_spare
     assert connections.n_served == 2
@@ -49,16 +49,16 @@ def test_addresses_of_one_network_count_as_one_and_proxies_as_many() -> None:
         ("192.0.2.1", False),
         ("192.0.2.1", True),
     ):
-        place = connections.enter(address)
-        assert place is not None
-        assert place.is_spare == is_spare, address
+        slot = connections.acquire(address)
+        assert slot is not None
+        assert slot.is_spare == is_spare, address
 
 
 def test_spare_places_end_too() -> None:
     connections = Connections(at_once=1, per_address=1)
-    places = [connections.enter("192.0.2.1") for _ in range(1 + N_SPARE)]
-    assert all(place is not None for place in places)
-    assert connections.enter("192.0.2.1") is None
+    slots = [connections.acquire("192.0.2.1") for _ in range(1 + N_SPARE)]
+    assert all(slot is not None for slot in slots)
+    assert connections.acquire("192.0.2.1") is None
 
 
 def test_addresses_take_turns_and_nobody_waits_while_nothing_is_to_do() -> None:

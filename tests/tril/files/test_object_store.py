@@ -17,7 +17,7 @@ import pytest
 from testsupport import s3
 from testsupport.ports import free_port
 from tril.files import artifact_store
-from tril.files.artifact_store import ArtifactStore, StoreAway
+from tril.files.artifact_store import ArtifactStore, ArtifactStoreUnavailable
 
 OPERATIONS: dict[str, Callable[[ArtifactStore], object]] = {
     "put": lambda store: store.put("a/x", b"content"),
@@ -79,7 +79,7 @@ def answering(status: int, after_s: float = 0.0) -> Iterator[str]:
 
 
 def refusal(operation: str) -> str:
-    with pytest.raises(StoreAway) as raised:
+    with pytest.raises(ArtifactStoreUnavailable) as raised:
         OPERATIONS[operation](ArtifactStore("s3://bucket/prefix"))
     said = str(raised.value)
     assert "Debug" not in said
@@ -136,5 +136,5 @@ def test_a_missing_bucket_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_a_folder_that_is_no_folder_is_away(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    with pytest.raises(StoreAway):
+    with pytest.raises(ArtifactStoreUnavailable):
         ArtifactStore(str(tmp_path / "file")).put("a/x", b"")

@@ -79,7 +79,7 @@ def _digest(name: str, hash_seed: int) -> str:
     return lines[-1] if lines and played.returncode == 0 else f"{_FAILED}{played.stderr[-300:]}"
 
 
-def why_not(name: str) -> str | None:
+def refusal(name: str) -> str | None:
     """Return why an environment cannot be played, None if it can be."""
     digest = _digest(name, 1)
     if digest.startswith(_FAILED):
@@ -92,7 +92,7 @@ def main(modules: Sequence[str]) -> None:
     listing = {}
     for module in modules or MODULES:
         for env_id in ids_of(module):
-            reason = why_not(f"{PREFIX}{module}:{env_id}")
+            reason = refusal(f"{PREFIX}{module}:{env_id}")
             if reason is None:
                 listing[env_id] = {"module": module, "requires": requirements(module, env_id)}
             sys.stdout.write(f"{env_id}: {reason or 'works'}\n")

@@ -178,7 +178,7 @@ def release(session: Session, lease: Lease, message: str = RELEASED_MESSAGE) -> 
     _give_back(session, owned(session, lease), message)
 
 
-def say_why_it_waits(session: Session, run_id: str, message: str) -> None:
+def note_waiting_reason(session: Session, run_id: str, message: str) -> None:
     """Say why a run in the queue is not taken up, unless that is said already."""
     row = _locked(session, run_id)
     if row is not None and row.status == RunStatus.QUEUED and row.message != message:
