@@ -69,6 +69,11 @@ def get_title(session: ReadSession, who: Who, name: str) -> TaughtGame:
     A participant gets the games of the behaviours that they play.
     """
     _refuse_title_of_others(session, who, name)
+    return game_view(name)
+
+
+def game_view(name: str) -> TaughtGame:
+    """Show a game; raises UnknownGame."""
     game = game_named(name)
     items = game.items
     return TaughtGame(

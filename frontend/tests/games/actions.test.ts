@@ -32,7 +32,7 @@ describe("actions", () => {
 
   it("are named by the buttons of any game", () => {
     expect(actionName(7, MS_PACMAN)).toBe("right and down");
-    expect(actionName(1, CART_POLE)).toBe("push right");
+    expect(actionName(1, CART_POLE)).toBe("right");
     expect(actionName(9, CART_POLE)).toBe("action 9");
   });
 

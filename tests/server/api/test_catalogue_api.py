@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import io
+import json
 
 import pytest
 from PIL import Image
 from starlette.testclient import TestClient
 
+from tests.server.api.games_data import PATH, games
 from tril.games import game_named, game_titles
 from tril.games.atari.catalogue import entries
 from tril.play.pictures import drawn_picture
@@ -60,3 +62,7 @@ def test_a_picture_is_of_the_games_screen(client: TestClient, name: str) -> None
 
 def test_every_game_of_the_emulator_has_a_drawn_picture() -> None:
     assert [name for name in entries() if drawn_picture(name) is None] == []
+
+
+def test_the_games_in_the_tests_of_the_page_are_as_the_api_shows_them() -> None:
+    assert json.loads(PATH.read_text()) == games()

@@ -5,7 +5,7 @@ import { defaultKeys } from "@/features/play/input/keys";
 import { intentOf } from "@/features/play/input/intents";
 import { watchIntentOf } from "@/features/play/watch/watch-keys";
 
-import { CART_POLE, SPACE_INVADERS } from "../../support/games";
+import { BLACKJACK, SPACE_INVADERS } from "../../support/games";
 import { us } from "../../support/keyboard";
 
 const DEFAULT_KEYS = defaultKeys(SPACE_INVADERS);
@@ -42,10 +42,13 @@ describe("the keys of a page", () => {
   });
 
   it("name each button of a game, and no rewinding where it can't be", () => {
-    const keys = defaultKeys(CART_POLE);
-    const [playing] = keySections("/behaviours/3/play", { game: CART_POLE, keys });
+    const keys = defaultKeys(BLACKJACK);
+    const [playing] = keySections("/behaviours/3/play", {
+      game: { ...BLACKJACK, saves_states: false },
+      keys,
+    });
     const effects = playing?.rows.map(({ effect }) => effect) ?? [];
-    expect(effects.slice(0, 3)).toEqual(["push left", "push right", "pause"]);
+    expect(effects.slice(0, 3)).toEqual(["stick", "hit", "pause"]);
     expect(effects).not.toContain("rewind while held");
   });
 

@@ -19,7 +19,8 @@ import {
 import { show } from "../../support/page";
 import { serve } from "../../support/server";
 
-const ALL = [PONG, MS_PACMAN, CART_POLE, SPACE_INVADERS];
+const UNSAVED = { ...CART_POLE, saves_states: false };
+const ALL = [PONG, MS_PACMAN, UNSAVED, SPACE_INVADERS];
 const OWNER = { "GET /api/player": () => ({ id: 1, name: "Ada", role: "owner" }) };
 
 describe("finding a game", () => {
@@ -96,16 +97,18 @@ function open(game: TaughtGame, behaviours = [behaviour()]) {
 
 describe("the page of a game", () => {
   it("shows its behaviours, and teaches another one in it", async () => {
-    const left = behaviour({ id: 4, name: "Stay up", game: "pong", target: null });
-    const { asked, router } = open(PONG, [behaviour(), left]);
+    const left = behaviour({ id: 4, name: "Lower half", game: "ms_pacman", target: null });
+    const { asked, router } = open(MS_PACMAN, [behaviour(), left]);
     const list = within(await screen.findByRole("list", { name: "Behaviours" }));
     expect(list.getAllByRole("listitem")).toHaveLength(1);
-    expect(list.getByRole("link", { name: "Stay up" })).toHaveAttribute("href", "/behaviours/4");
+    expect(list.getByRole("link", { name: "Lower half" })).toHaveAttribute("href", "/behaviours/4");
     await userEvent.click(await screen.findByRole("button", { name: "Teach a behaviour" }));
-    const dialog = within(screen.getByRole("dialog", { name: "Teach a behaviour in Pong" }));
+    const dialog = within(screen.getByRole("dialog", { name: "Teach a behaviour in Ms. Pac-Man" }));
     await userEvent.type(dialog.getByLabelText("Description"), "Never miss.");
     await userEvent.type(dialog.getByLabelText("Name"), "Keep level");
-    expect(await dialog.findByRole("option", { name: "Pong", selected: true })).toBeVisible();
+    expect(
+      await dialog.findByRole("option", { name: "Ms. Pac-Man", selected: true }),
+    ).toBeVisible();
     expect(dialog.queryByRole("checkbox")).toBeNull();
     await userEvent.click(dialog.getByText("How it is played"));
     const seconds = dialog.getByLabelText("Longest game, in seconds");
@@ -114,25 +117,25 @@ describe("the page of a game", () => {
     expect(seconds).toHaveAccessibleDescription("Type a number of seconds from 5 to 400.");
     await userEvent.type(seconds, "0");
     await userEvent.selectOptions(dialog.getByLabelText("It also ends"), "when the game is over");
-    await userEvent.selectOptions(dialog.getByLabelText("Difficulty"), "2");
+    await userEvent.selectOptions(dialog.getByLabelText("Mode"), "2");
     await userEvent.click(dialog.getByRole("button", { name: "Create behaviour" }));
     await screen.findByText("Another page");
     expect(router.state.location.pathname).toBe("/behaviours/9/play");
     expect(asked.find(({ method }) => method === "POST")?.body).toEqual({
-      game: "pong",
+      game: "ms_pacman",
       name: "Keep level",
       description: "Never miss.",
       target: null,
       ordered: false,
-      settings: { max_steps: 450, end_rule: "over", options: { difficulty: 2 }, hidden: null },
+      settings: { max_steps: 450, end_rule: "over", options: { mode: 2 }, hidden: null },
       measures: [],
     });
   });
 
   it("says what a game lacks, and why", async () => {
-    open(CART_POLE, []);
+    open(UNSAVED, []);
     expect(await screen.findByText("Nothing has been taught in it yet.")).toBeVisible();
-    expect(screen.getByText(/Its buttons: push left, push right. 50 frames/)).toBeVisible();
+    expect(screen.getByText(/Its buttons: left, right. 50 frames/)).toBeVisible();
     for (const lack of [/stands still until/, /no targets/, /no examples/, /rewound/, /no memory/])
       expect(screen.getByText(lack)).toBeVisible();
   });

@@ -92,7 +92,7 @@ describe("what learning sees", () => {
       settings: {
         options: {},
         hidden: [
-          [0, 0, 160, 24],
+          [0, 0, 160, 22],
           [60, 96, 90, 116],
         ],
       },

@@ -5,7 +5,7 @@ import type { TaughtGame } from "@/api/types";
 import { TouchPad } from "@/features/play/input/TouchPad";
 import { GameProvider } from "@/games/game";
 
-import { CART_POLE, MS_PACMAN, SPACE_INVADERS } from "../../../support/games";
+import { BLACKJACK, MS_PACMAN, SPACE_INVADERS } from "../../../support/games";
 
 function open(game: TaughtGame) {
   const [onHold, onRelease] = [vi.fn(), vi.fn()];
@@ -27,9 +27,9 @@ describe("the touch pad", () => {
   });
 
   it("has a button for each named button", () => {
-    const { held } = open(CART_POLE);
-    expect(names()).toEqual(["Push left", "Push right"]);
-    const right = screen.getByRole("button", { name: "Push right" });
+    const { held } = open(BLACKJACK);
+    expect(names()).toEqual(["Stick", "Hit"]);
+    const right = screen.getByRole("button", { name: "Hit" });
     right.setPointerCapture = vi.fn();
     fireEvent.pointerDown(right, { pointerId: 3 });
     expect(held()).toBe(2);

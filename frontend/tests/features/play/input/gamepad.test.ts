@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 
 import { newlyPressed, NO_PAD, type Pad, PAD, Pads } from "@/features/play/input/gamepad";
 
-import { CART_POLE, MS_PACMAN, SPACE_INVADERS } from "../../../support/games";
+import { BLACKJACK, MS_PACMAN, SPACE_INVADERS } from "../../../support/games";
 
 const [LEFT, RIGHT, FIRE] = [1, 2, 4];
 const { buttons: BUTTONS } = SPACE_INVADERS;
@@ -47,9 +47,9 @@ describe("a gamepad", () => {
   });
 
   it("presses the buttons of a game without directions with its face buttons", () => {
-    expect(padState([pad([PAD.bottom])], CART_POLE.buttons).bits).toBe(1);
-    expect(padState([pad([PAD.right])], CART_POLE.buttons).bits).toBe(2);
-    expect(padState([pad([PAD.left, 14])], CART_POLE.buttons).bits).toBe(0);
+    expect(padState([pad([PAD.bottom])], BLACKJACK.buttons).bits).toBe(1);
+    expect(padState([pad([PAD.right])], BLACKJACK.buttons).bits).toBe(2);
+    expect(padState([pad([PAD.left, 14])], BLACKJACK.buttons).bits).toBe(0);
   });
 
   it("rewinds with the buttons at its back", () => {

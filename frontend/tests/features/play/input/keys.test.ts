@@ -17,7 +17,7 @@ import {
   withoutKey,
 } from "@/features/play/input/keys";
 
-import { CART_POLE, MS_PACMAN, PONG, SPACE_INVADERS } from "../../../support/games";
+import { BLACKJACK, MS_PACMAN, PONG, SPACE_INVADERS } from "../../../support/games";
 import { us } from "../../../support/keyboard";
 
 const [LEFT, RIGHT, FIRE] = [1, 2, 4];
@@ -88,9 +88,9 @@ describe("the key map", () => {
     const bits = (codes: string[]) =>
       codes.map((code) => bitWith(MS_PACMAN.buttons, defaultKeys(MS_PACMAN), us(code)));
     expect(bits(["ArrowLeft", "KeyD", "KeyW", "ArrowDown", "Space"])).toEqual([1, 2, 4, 8, 0]);
-    expect(defaultKeys(CART_POLE)).toEqual({
-      "push left": ["ArrowLeft"],
-      "push right": ["ArrowRight"],
+    expect(defaultKeys({ ...BLACKJACK, saves_states: false })).toEqual({
+      stick: ["Space"],
+      hit: ["Digit1"],
       pause: ["Escape"],
     });
   });
@@ -98,7 +98,7 @@ describe("the key map", () => {
   it("is kept for each set of buttons, and that of the first version stays", () => {
     expect(keysSetting(SPACE_INVADERS).key).toBe("tril.play.keys");
     expect(keysSetting(PONG).key).toBe("tril.play.keys.down,up,fire");
-    expect(keysSetting(CART_POLE).key).toBe("tril.play.keys.push left,push right");
+    expect(keysSetting(BLACKJACK).key).toBe("tril.play.keys.stick,hit");
     expect(keysSetting(MS_PACMAN).read(DEFAULT_KEYS)).toBeNull();
   });
 
