@@ -2,8 +2,8 @@ import { t } from "@lingui/core/macro";
 
 import type { Recording } from "@/api/types";
 import { Badge } from "@/components/feedback/Badge";
-import { ThingMark } from "@/components/game/ThingMark";
-import { playedBy } from "@/lib/things";
+import { ActorMark } from "@/components/game/ActorMark";
+import { playedBy } from "@/lib/actors";
 
 /** Who played a recording. */
 export function SourceBadge({ recording }: { recording: Recording }) {
@@ -16,9 +16,9 @@ export function SourceBadge({ recording }: { recording: Recording }) {
   }[source];
   return (
     <Badge>
-      <ThingMark thing={playedBy(source)}>
+      <ActorMark actor={playedBy(source)}>
         {source === "person" && player ? player : name}
-      </ThingMark>
+      </ActorMark>
     </Badge>
   );
 }

@@ -10,7 +10,7 @@ import { runsQuery } from "@/api/runs";
 import type { Behaviour, Run } from "@/api/types";
 import { Button, ButtonLink } from "@/components/controls/Button";
 import { Failed, Loading } from "@/components/feedback/States";
-import { ThingMark } from "@/components/game/ThingMark";
+import { ActorMark } from "@/components/game/ActorMark";
 import { useFirst } from "@/components/list/use-first";
 import { PageTitle } from "@/components/PageTitle";
 import { useOnlyPlays } from "@/components/people/use-only-plays";
@@ -226,17 +226,17 @@ function Latest({ run, behaviour }: { run: Run; behaviour: Behaviour }) {
   const of = behaviour.target.length;
   return (
     <p className={styles.result}>
-      <ThingMark thing="imitator">
+      <ActorMark actor="imitator">
         <Trans>
           Imitator hits {fixed(targets.mean, 1)} of {of} ({bounds(targets)})
         </Trans>
-      </ThingMark>
+      </ActorMark>
       {clone && (
-        <ThingMark thing="clone">
+        <ActorMark actor="clone">
           <Trans>
             Clone hits {fixed(clone.mean, 1)} of {of} ({bounds(clone)})
           </Trans>
-        </ThingMark>
+        </ActorMark>
       )}
     </p>
   );

@@ -28,7 +28,7 @@ import { cellName } from "@/lib/game/items";
 import type { Playback } from "@/lib/game/playback";
 import { valueRows } from "@/lib/recipe-values";
 import { recordingName } from "@/lib/recordings";
-import { thingNames } from "@/lib/things";
+import { actorNames } from "@/lib/actors";
 
 import { VerifiedBadge } from "./badges";
 import { ColumnBars } from "./ColumnBars";
@@ -218,7 +218,7 @@ function Facts({ recording, behaviour }: { recording: Recording; behaviour: Beha
       {recording.begun_by && (
         <p>
           <Trans>
-            The {inSentence(thingNames()[recording.begun_by.policy])} of{" "}
+            The {inSentence(actorNames()[recording.begun_by.policy])} of{" "}
             <Link to={`/runs/${recording.begun_by.run_id}`}>
               <RunName id={recording.begun_by.run_id} />
             </Link>{" "}

@@ -9,7 +9,7 @@ import { type Setting, useSetting } from "@/features/play/settings/stored";
 import { canSound } from "@/features/play/sound/use-sounds";
 import type { Marks } from "@/games/view";
 import { recordingName } from "@/lib/recordings";
-import { playedBy, thingColour } from "@/lib/things";
+import { playedBy, actorColour } from "@/lib/actors";
 
 import styles from "./Toggles.module.css";
 
@@ -96,7 +96,7 @@ function Legend({ target, ghost }: Marks) {
           <svg className={styles.swatch} viewBox="0 0 14 14" aria-hidden="true">
             <path
               d="M5.5 2h3v6h2v4h-7V8h2z"
-              fill={thingColour(playedBy(ghost.source))}
+              fill={actorColour(playedBy(ghost.source))}
               opacity="0.75"
             />
           </svg>

@@ -6,7 +6,7 @@ import { useGame } from "@/games/game";
 import type { Marks, MarksPainter, Overlay } from "@/games/view";
 import { resolveColour } from "@/lib/browser/css-colour";
 import type { ScreenSize } from "@/lib/game/use-screen-size";
-import { playedBy, thingColour } from "@/lib/things";
+import { playedBy, actorColour } from "@/lib/actors";
 
 import styles from "./MarksCanvas.module.css";
 import type { FrameSource } from "./use-screen";
@@ -27,7 +27,7 @@ export function MarksCanvas({ size, stream, frames, target, ghost }: MarksCanvas
     if (!canvas || !stage) return undefined;
     const colours = {
       target: resolveColour("var(--accent)", stage),
-      ghost: resolveColour(thingColour(playedBy(ghost?.source ?? "person")), stage),
+      ghost: resolveColour(actorColour(playedBy(ghost?.source ?? "person")), stage),
     };
     const make = (overlay: Overlay | null) =>
       overlay && viewOf(name)?.marksPainter(canvas, { target, ghost }, colours, overlay);

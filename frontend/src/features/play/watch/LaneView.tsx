@@ -7,14 +7,14 @@ import { AttentionLayer } from "@/components/attention/AttentionLayer";
 import { withUnit } from "@/components/attention/words";
 import { Button, IconButton } from "@/components/controls/Button";
 import { GameCanvas } from "@/components/game/GameCanvas";
-import { ThingMark } from "@/components/game/ThingMark";
+import { ActorMark } from "@/components/game/ActorMark";
 import { Score } from "@/features/play/hud/Score";
 import { useGame } from "@/games/game";
 import { describeScore, endSentence } from "@/games/outcomes";
 import { classes } from "@/lib/classes";
 import type { ScreenFormat, ScreenPainter } from "@/lib/game/screen";
 import { type ScreenSize, useFittingScreenSize } from "@/lib/game/use-screen-size";
-import { thingNames, thingColour } from "@/lib/things";
+import { actorNames, actorColour } from "@/lib/actors";
 
 import { type Player, playerName, PLAYERS, policyOf, type LookingNetwork } from "./choice";
 import { DecisionBars, type DecisionHandle } from "./DecisionBars";
@@ -75,19 +75,19 @@ export function LaneView(props: LaneViewProps) {
       }),
     [relay, onFrame],
   );
-  const thing = policyOf(player);
+  const actor = policyOf(player);
   const ended = state?.ended ?? null;
   const key = takeOverKey(lane, nLanes);
   return (
     <article
       className={styles.lane}
       aria-label={t`Game ${lane + 1}: ${playerName(player)}`}
-      style={{ "--thing": thingColour(thing) } as CSSProperties}
+      style={{ "--actor": actorColour(actor) } as CSSProperties}
     >
       <div className={styles.head}>
-        <ThingMark thing={thing}>
-          <span className="visually-hidden">{thingNames()[thing]}</span>
-        </ThingMark>
+        <ActorMark actor={actor}>
+          <span className="visually-hidden">{actorNames()[actor]}</span>
+        </ActorMark>
         <select
           aria-label={t`Player of game ${lane + 1}`}
           value={player}

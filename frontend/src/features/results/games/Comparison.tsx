@@ -3,13 +3,13 @@ import { Trans } from "@lingui/react/macro";
 
 import type { Behaviour, ComparisonRow, Recording, RunResults, TaughtGame } from "@/api/types";
 import { ItemGrid } from "@/components/game/ItemGrid";
-import { ThingMark } from "@/components/game/ThingMark";
+import { ActorMark } from "@/components/game/ActorMark";
 import type { Watched } from "@/features/results/watched";
 import { useGame } from "@/games/game";
 import { describeEnd, describeScore } from "@/games/outcomes";
 import { inSentence, NONE } from "@/lib/format";
 import { strayWords, takenCells } from "@/lib/game/items";
-import { playedBy, type Thing, thingNames } from "@/lib/things";
+import { playedBy, type Actor, actorNames } from "@/lib/actors";
 
 import { AddToRanking } from "./AddToRanking";
 import styles from "./Comparison.module.css";
@@ -52,7 +52,7 @@ export function Comparison({ results, behaviour, onWatch }: ComparisonProps) {
               To compare with: the best demonstration, one game from a start of its own.
             </Trans>
           </p>
-          <GameCell thing={playedBy(best.source)} best recording={best} from="" {...shared} />
+          <GameCell actor={playedBy(best.source)} best recording={best} from="" {...shared} />
         </div>
       )}
       <StartsTable rows={comparison} label={t`Games from the first starts`} {...shared} />
@@ -100,10 +100,10 @@ function StartsTable({ rows, label, behaviour, onWatch }: StartsTableProps) {
             <Trans>Start</Trans>
           </th>
           <th scope="col">
-            <ThingMark thing="imitator" />
+            <ActorMark actor="imitator" />
           </th>
           <th scope="col">
-            <ThingMark thing="clone" />
+            <ActorMark actor="clone" />
           </th>
           <th scope="col">
             <Trans>Imitator against clone</Trans>
@@ -125,10 +125,10 @@ function StartsTable({ rows, label, behaviour, onWatch }: StartsTableProps) {
                 )}
               </th>
               <td>
-                <GameCell thing="imitator" recording={row.imitator?.recording} {...cells} />
+                <GameCell actor="imitator" recording={row.imitator?.recording} {...cells} />
               </td>
               <td>
-                <GameCell thing="clone" recording={row.clone?.recording} {...cells} />
+                <GameCell actor="clone" recording={row.clone?.recording} {...cells} />
               </td>
               <td className={styles.winner}>
                 <span className={styles.only}>
@@ -151,19 +151,19 @@ function Winner({ winner }: { winner: ComparisonRow["winner"] }) {
       <Trans>Tie</Trans>
     </>
   ) : (
-    <ThingMark thing={winner} />
+    <ActorMark actor={winner} />
   );
 }
 
 function GameCell({
-  thing,
+  actor,
   best = false,
   recording,
   behaviour,
   from,
   onWatch,
 }: {
-  thing: Thing;
+  actor: Actor;
   /** Whether it is the best demonstration. */
   best?: boolean;
   recording: Recording | undefined;
@@ -173,14 +173,14 @@ function GameCell({
 }) {
   const game = useGame();
   if (!recording) return <>{NONE}</>;
-  const name = best ? t`Best demonstration` : thingNames()[thing];
+  const name = best ? t`Best demonstration` : actorNames()[actor];
   const title = `${name} ${from}`.trim();
   return (
     <>
       <button type="button" className={styles.game} onClick={() => onWatch({ recording, title })}>
         <span className="visually-hidden">{t`Watch ${inSentence(title)}`}</span>
         <span className={best ? undefined : styles.only}>
-          <ThingMark thing={thing}>{name}</ThingMark>
+          <ActorMark actor={actor}>{name}</ActorMark>
         </span>
         <ItemGrid hits={takenCells(recording)} target={behaviour.target} scale={2} />
         <span className={styles.words}>

@@ -2,12 +2,12 @@ import type { CSSProperties } from "react";
 
 import { classes } from "@/lib/classes";
 import type { Interval } from "@/lib/format";
-import { type Thing, thingColour } from "@/lib/things";
+import { type Actor, actorColour } from "@/lib/actors";
 
 import styles from "./IntervalPlot.module.css";
 
 interface IntervalPlotProps {
-  intervals: readonly { readonly thing: Thing; readonly interval: Interval }[];
+  intervals: readonly { readonly actor: Actor; readonly interval: Interval }[];
   low: number;
   high: number;
 }
@@ -18,18 +18,18 @@ export function IntervalPlot({ intervals, low, high }: IntervalPlotProps) {
     Math.min(Math.max(((value - low) / (high - low || 1)) * 100, 0), 100);
   return (
     <div className={styles.plot} aria-hidden="true">
-      {intervals.map(({ thing, interval }, index) => {
+      {intervals.map(({ actor, interval }, index) => {
         const top = `${((index + 1) / (intervals.length + 1)) * 100}%`;
         const left = at(interval.low);
-        const colour = { "--thing": thingColour(thing) } as CSSProperties;
+        const colour = { "--actor": actorColour(actor) } as CSSProperties;
         return (
-          <div key={thing} style={colour}>
+          <div key={actor} style={colour}>
             <i
               className={styles.range}
               style={{ top, left: `${left}%`, width: `${at(interval.high) - left}%` }}
             />
             <i
-              className={classes(styles.mean, thing === "clone" && styles.clone)}
+              className={classes(styles.mean, actor === "clone" && styles.clone)}
               style={{ top, left: `${at(interval.mean)}%` }}
             />
           </div>

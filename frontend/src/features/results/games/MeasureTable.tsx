@@ -2,7 +2,7 @@ import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 
 import type { Measure, MeasureMean, MeasureRow } from "@/api/types";
-import { ThingMark } from "@/components/game/ThingMark";
+import { ActorMark } from "@/components/game/ActorMark";
 import { useGame } from "@/games/game";
 import { meanValue, measureSentence } from "@/games/measures";
 import { NONE } from "@/lib/format";
@@ -25,7 +25,7 @@ export function MeasureTable({ rows }: { rows: readonly MeasureRow[] }) {
           <td />
           {players.map((player) => (
             <th key={player} scope="col">
-              <ThingMark thing={player} />
+              <ActorMark actor={player} />
             </th>
           ))}
         </tr>

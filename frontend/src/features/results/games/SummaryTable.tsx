@@ -1,7 +1,7 @@
 import { Trans } from "@lingui/react/macro";
 
 import type { Behaviour, Interval, PolicySummary } from "@/api/types";
-import { ThingMark } from "@/components/game/ThingMark";
+import { ActorMark } from "@/components/game/ActorMark";
 import { useGame } from "@/games/game";
 import { NONE } from "@/lib/format";
 
@@ -32,10 +32,10 @@ export function SummaryTable({ imitator, clone, behaviour, label }: SummaryTable
         <tr>
           <td />
           <th scope="col">
-            <ThingMark thing="imitator" />
+            <ActorMark actor="imitator" />
           </th>
           <th scope="col">
-            <ThingMark thing="clone" />
+            <ActorMark actor="clone" />
           </th>
           <td className={styles.plot} />
         </tr>
@@ -51,8 +51,8 @@ export function SummaryTable({ imitator, clone, behaviour, label }: SummaryTable
                 low={row.low}
                 high={row.high}
                 intervals={[
-                  ...(row.imitator ? [{ thing: "imitator" as const, interval: row.imitator }] : []),
-                  ...(row.clone ? [{ thing: "clone" as const, interval: row.clone }] : []),
+                  ...(row.imitator ? [{ actor: "imitator" as const, interval: row.imitator }] : []),
+                  ...(row.clone ? [{ actor: "clone" as const, interval: row.clone }] : []),
                 ]}
               />
             </td>

@@ -4,7 +4,7 @@ import { Link } from "react-router";
 
 import type { Behaviour, Interval, Run } from "@/api/types";
 import { useFirst } from "@/components/list/use-first";
-import { ThingMark } from "@/components/game/ThingMark";
+import { ActorMark } from "@/components/game/ActorMark";
 import { RunName } from "@/components/RunName";
 import { Ago } from "@/features/results/Ago";
 import { MOST_COMPARED } from "@/features/results/compare/compared-runs";
@@ -47,14 +47,14 @@ export function RunsTable({ runs, behaviour, selected, onSelect }: RunsTableProp
             {of !== undefined && (
               <>
                 <th scope="col">
-                  <ThingMark thing="imitator">
+                  <ActorMark actor="imitator">
                     <Trans>Imitator, targets of {of}</Trans>
-                  </ThingMark>
+                  </ActorMark>
                 </th>
                 <th scope="col">
-                  <ThingMark thing="clone">
+                  <ActorMark actor="clone">
                     <Trans>Clone, targets of {of}</Trans>
-                  </ThingMark>
+                  </ActorMark>
                 </th>
                 <th scope="col" className={styles.right}>
                   <Trans>Strays</Trans>

@@ -2,7 +2,7 @@ import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 
 import type { JudgedGames } from "@/api/types";
-import { ThingMark } from "@/components/game/ThingMark";
+import { ActorMark } from "@/components/game/ActorMark";
 import tables from "@/features/results/tables.module.css";
 import { fixed, NONE, whole } from "@/lib/format";
 
@@ -81,7 +81,7 @@ function Groups({ judged, measure }: { judged: readonly JudgedGames[]; measure: 
         {judged.map((group) => (
           <tr key={`${group.player}-${String(group.demonstrated)}`}>
             <th scope="row">
-              <ThingMark thing={group.player} hollow={!group.demonstrated} />
+              <ActorMark actor={group.player} hollow={!group.demonstrated} />
               <small>{group.demonstrated ? t`learned from` : t`never seen`}</small>
             </th>
             <td className={tables.number}>{group.games.length}</td>

@@ -2,7 +2,7 @@ import { t } from "@lingui/core/macro";
 
 import type { RankingCheck } from "@/api/types";
 import { recordingName } from "@/lib/recordings";
-import { playedBy } from "@/lib/things";
+import { playedBy } from "@/lib/actors";
 
 import { judgedBy, type Measure, nameOf, write } from "./measure";
 import styles from "./reward.module.css";
@@ -29,7 +29,7 @@ export function RewardByTier({ returns, measure }: RewardByTierProps) {
           key: one.recording.id,
           x: one.tier,
           y: judgedBy(measure, one),
-          thing: playedBy(one.recording.source),
+          actor: playedBy(one.recording.source),
           title: t`${recordingName(one.recording)}, tier ${one.tier}: ${write(measure, judgedBy(measure, one))}`,
         }))}
       />

@@ -1,7 +1,7 @@
 import type { CSSProperties } from "react";
 
 import { classes } from "@/lib/classes";
-import { type Thing, THING_SHAPES, thingColour } from "@/lib/things";
+import { type Actor, ACTOR_SHAPES, actorColour } from "@/lib/actors";
 
 import { type Measure, rangeOf, ticksOf, write } from "./measure";
 import styles from "./ScatterPlot.module.css";
@@ -10,7 +10,7 @@ export interface ScatterPoint {
   readonly key: string | number;
   readonly x: number;
   readonly y: number;
-  readonly thing: Thing;
+  readonly actor: Actor;
   readonly hollow?: boolean;
   /** Shown on hover. */
   readonly title: string;
@@ -36,7 +36,7 @@ const BOTTOM = 34;
 const TOP = 8;
 const MARK = 10;
 
-/** A scatter plot, with the colour and shape of each thing. */
+/** A scatter plot, with the colour and shape of each actor. */
 export function ScatterPlot({ label, points, measure, range, xTicks, band }: ScatterPlotProps) {
   const [low, high] = rangeOf(
     measure,
@@ -69,12 +69,12 @@ export function ScatterPlot({ label, points, measure, range, xTicks, band }: Sca
           {String(value).replace("-", "−")}
         </text>
       ))}
-      {points.map(({ key, x: across, y: up, thing, hollow = false, title }) => (
+      {points.map(({ key, x: across, y: up, actor, hollow = false, title }) => (
         <path
           key={key}
           className={classes(styles.mark, hollow && styles.hollow)}
-          style={{ "--thing": thingColour(thing) } as CSSProperties}
-          d={THING_SHAPES[thing]}
+          style={{ "--actor": actorColour(actor) } as CSSProperties}
+          d={ACTOR_SHAPES[actor]}
           transform={`translate(${x(across) - MARK / 2} ${y(up) - MARK / 2})`}
         >
           <title>{title}</title>

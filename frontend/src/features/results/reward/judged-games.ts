@@ -19,7 +19,7 @@ export function marksOf(groups: readonly JudgedGames[]): readonly ScatterPoint[]
       key: `${player}-${String(demonstrated)}-${game.recording_id}`,
       x: game.true_quantity + shift,
       y: game.predicted,
-      thing: player,
+      actor: player,
       hollow: !demonstrated,
       title:
         t`${recordingName({ id: game.recording_id })}, worth ${game.true_quantity}: ` +

@@ -4,7 +4,7 @@ import { Trans } from "@lingui/react/macro";
 import type { RunResults } from "@/api/types";
 import { ButtonLink } from "@/components/controls/Button";
 import { inSentence } from "@/lib/format";
-import { thingNames } from "@/lib/things";
+import { actorNames } from "@/lib/actors";
 
 import styles from "./RunActions.module.css";
 
@@ -18,7 +18,7 @@ export function WatchLinks({ results: { run, artifacts } }: { results: RunResult
     <div className={styles.actions} role="group" aria-label={t`Watch it play`}>
       {trained.map((policy) => (
         <ButtonLink key={policy} icon="play" to={watchPath(run.id, [policy])}>
-          <Trans>Watch the {inSentence(thingNames()[policy])} play</Trans>
+          <Trans>Watch the {inSentence(actorNames()[policy])} play</Trans>
         </ButtonLink>
       ))}
       {trained.length > 1 && (

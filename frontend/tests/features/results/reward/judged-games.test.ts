@@ -27,7 +27,7 @@ describe("returns and worth", () => {
 
   it("are marks beside each other where they share a worth, hollow where unseen", () => {
     const marks = marksOf(judged);
-    expect(marks.map(({ x, y, thing, hollow }) => [x, y, thing, hollow])).toEqual([
+    expect(marks.map(({ x, y, actor, hollow }) => [x, y, actor, hollow])).toEqual([
       [-4.125, -1, "person", false],
       [5.875, 9, "person", false],
       [6.125, 12, "clone", true],
