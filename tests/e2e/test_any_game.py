@@ -72,3 +72,19 @@ def test_a_game_is_found_taught_played_kept_and_replayed(
         first = page.get_by_role("listitem").first
         expect(first).to_contain_text("Pong")
         expect(first).to_contain_text("1 behaviour")
+
+
+def test_a_game_of_many_items_fits_beside_its_picture(browser: Browser, built: LiveServer) -> None:
+    new = {"game": "breakout", "name": "Everything", "description": "Take every brick."}
+    made = built.http.post("/api/behaviours", json=new).raise_for_status().json()
+    with signed_in(browser, built, f"/behaviours/{made['id']}/play", viewport=DESKTOP) as page:
+        grid = page.get_by_role("img", name=re.compile("bricks"))
+        expect(grid).to_be_visible()
+        box = grid.bounding_box()
+        assert box is not None
+        assert box["x"] + box["width"] <= DESKTOP["width"]
+        overflow = "document.documentElement.scrollWidth - document.documentElement.clientWidth"
+        assert page.evaluate(overflow) <= 0
+        button = page.get_by_role("button", name="Change the keys").bounding_box()
+        assert button is not None
+        assert button["x"] + button["width"] <= DESKTOP["width"]
