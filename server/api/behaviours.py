@@ -34,6 +34,7 @@ from tril.demonstrators import GameOutcome, example_plans, match_plans
 from tril.errors import Invalid
 from tril.games.settings import GameSettings
 from tril.store import behaviours, library
+from tril.store.database import parse_json
 from tril.store.models import BehaviourRow, RecordingState, Verification
 
 router = APIRouter(prefix="/behaviours", tags=["behaviours"])
@@ -146,7 +147,7 @@ def restore_behaviour(session: WriteSession, who: Who, behaviour_id: BehaviourId
 
 def _played(entry: library.Entry) -> GameOutcome:
     return GameOutcome(
-        hits=tuple((row, column) for row, column, _ in entry.taken),
+        hits=tuple((row, column) for row, column, _ in parse_json(entry.taken)),
         end=entry.end,
         n_frames=entry.n_frames,
     )

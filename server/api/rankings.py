@@ -21,7 +21,7 @@ from server.api.schemas.rankings import (
     VariedGamesWish,
 )
 from server.api.schemas.recordings import Recording
-from server.api.views.library import library_view
+from server.api.views.library import library_response
 from server.api.views.recordings import RecordingViews
 from server.dependencies import (
     BehaviourId,
@@ -131,12 +131,12 @@ def get_ranking_opinion(request: Request, behaviour_id: BehaviourId) -> RankingO
     )
 
 
-@borrowed_router.get("", responses=NOT_FOUND)
-def list_borrowed_games(session: ReadSession, who: Who, behaviour_id: BehaviourId) -> Library:
+@borrowed_router.get("", response_model=Library, responses=NOT_FOUND)
+def list_borrowed_games(session: ReadSession, who: Who, behaviour_id: BehaviourId) -> Response:
     """Return the games that a behaviour has borrowed, in brief, newest first."""
     behaviour = behaviours.get(session, behaviour_id)
     brief = library.borrowed(session, behaviour_id)
-    return library_view(session, who, behaviour, brief, borrowed=True)
+    return library_response(session, who, behaviour, brief, borrowed=True)
 
 
 @slow_router.post("/borrowed", status_code=201, responses=NOT_FOUND)

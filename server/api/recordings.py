@@ -22,7 +22,7 @@ from server.api.schemas.recordings import (
     RecordingsChange,
     RecordingUpdate,
 )
-from server.api.views.library import library_view
+from server.api.views.library import library_response
 from server.api.views.recordings import RecordingViews, parent_of
 from server.dependencies import (
     MAX_ID,
@@ -99,7 +99,11 @@ def list_recordings(
     return RecordingViews(session, who).all(rows)
 
 
-@router.get("/behaviours/{behaviour_id}/library", responses=NOT_FOUND)
+@router.get(
+    "/behaviours/{behaviour_id}/library",
+    response_model=Library,
+    responses=NOT_FOUND,
+)
 def get_library(
     session: ReadSession,
     who: Who,
@@ -109,7 +113,7 @@ def get_library(
         Query(ge=0, le=MAX_ID, description="Only what changed after an answer's `cursor`."),
     ] = None,
     deleted: Annotated[bool, Query(description="With deleted ones.")] = False,
-) -> Library:
+) -> Response:
     """Return all of a behaviour's recordings in brief, or what changed.
 
     A participant gets their own, and is not told what is ranked or perfect.
@@ -118,7 +122,7 @@ def get_library(
     brief = library.brief(
         session, behaviour_id, since=since, with_deleted=deleted, only_of=who.sees_only
     )
-    return library_view(session, who, behaviour, brief)
+    return library_response(session, who, behaviour, brief)
 
 
 @router.get("/behaviours/{behaviour_id}/library/recordings", responses=NOT_FOUND)

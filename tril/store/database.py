@@ -67,7 +67,7 @@ WRITE_GUARD: ContextVar[WriteGuard | None] = ContextVar("write_guard", default=N
 """What judges the transactions of this thread or task."""
 
 
-def _loads(stored: str) -> Any:
+def parse_json(stored: str) -> Any:
     """Parse a column's JSON; pydantic's parser is the faster one, but takes no lone surrogate."""
     try:
         return from_json(stored)
@@ -90,7 +90,7 @@ def create_database(url: str, write_patience_s: float = WRITE_PATIENCE_S) -> Dat
         pool_pre_ping=parsed.get_backend_name() != "sqlite",
         # Most of the time of a large library's query is spent parsing JSON; json.loads takes more
         # than twice as long.
-        json_deserializer=_loads,
+        json_deserializer=parse_json,
     )
     if parsed.get_backend_name() == "sqlite":
         _set_up_sqlite(engine, write_patience_s)

@@ -1,9 +1,11 @@
 import { t } from "@lingui/core/macro";
 import { usePrefetchQuery, useQuery } from "@tanstack/react-query";
-import { lazy, type ReactNode, Suspense, useEffect } from "react";
+import { type ComponentType, lazy, type ReactNode, Suspense, useEffect } from "react";
 import { createBrowserRouter, Navigate, useParams } from "react-router";
 
+import { behaviourQuery } from "@/api/behaviours";
 import { isNotFound } from "@/api/client";
+import { borrowedQuery, libraryQuery } from "@/api/library";
 import { recordingQuery } from "@/api/recordings";
 import { resultsQuery, runQuery } from "@/api/runs";
 import type { Behaviour, Run } from "@/api/types";
@@ -12,6 +14,7 @@ import { Failed, Loading } from "@/components/feedback/States";
 import { BehaviourFrame } from "@/features/behaviours/BehaviourFrame";
 import { HomePage } from "@/features/behaviours/HomePage";
 import { PlayPage } from "@/features/play/PlayPage";
+import { rankingQuery } from "@/features/ranking/order/rankings";
 import { RecordingsPage } from "@/features/recordings/RecordingsPage";
 import { useMetricsQuery } from "@/features/results/curves/metrics";
 
@@ -22,9 +25,8 @@ import { NotFound } from "./NotFound";
 const RecordingPage = lazy(async () => ({
   default: (await import("@/features/recordings/RecordingPage")).RecordingPage,
 }));
-const RankPage = lazy(async () => ({
-  default: (await import("@/features/ranking/RankPage")).RankPage,
-}));
+const importRankPage = () => import("@/features/ranking/RankPage");
+const RankPage = lazy(async () => ({ default: (await importRankPage()).RankPage }));
 const TrainPage = lazy(async () => ({
   default: (await import("@/features/training/TrainPage")).TrainPage,
 }));
@@ -54,16 +56,40 @@ function Lazy({ children }: { children: ReactNode }) {
   return <Suspense fallback={<Loading what={t`the page`} rows={3} />}>{children}</Suspense>;
 }
 
+interface InBehaviourProps {
+  page: (behaviour: Behaviour) => ReactNode;
+  /** Fetches what the page needs beside the behaviour, not one after the other. */
+  beside?: ComponentType<{ behaviourId: number }>;
+}
+
 /** A page of a behaviour, in its frame; remounted when the behaviour changes. */
-function InBehaviour({ page }: { page: (behaviour: Behaviour) => ReactNode }) {
+function InBehaviour({ page, beside: Beside }: InBehaviourProps) {
   const { behaviourId } = useParams();
   const id = Number(behaviourId);
   if (!Number.isInteger(id) || id < 1) return <NotFound />;
   return (
-    <BehaviourFrame key={id} behaviourId={id}>
-      {(behaviour) => <Lazy>{page(behaviour)}</Lazy>}
-    </BehaviourFrame>
+    <>
+      {Beside && <Beside behaviourId={id} />}
+      <BehaviourFrame key={id} behaviourId={id}>
+        {(behaviour) => <Lazy>{page(behaviour)}</Lazy>}
+      </BehaviourFrame>
+    </>
   );
+}
+
+function RecordingsBeside({ behaviourId }: { behaviourId: number }) {
+  usePrefetchQuery(behaviourQuery(behaviourId));
+  usePrefetchQuery(libraryQuery(behaviourId));
+  return null;
+}
+
+function RankingBeside({ behaviourId }: { behaviourId: number }) {
+  usePrefetchQuery(behaviourQuery(behaviourId));
+  usePrefetchQuery(rankingQuery(behaviourId));
+  usePrefetchQuery(borrowedQuery(behaviourId));
+  usePrefetchQuery(libraryQuery(behaviourId));
+  useEffect(() => void importRankPage(), []);
+  return null;
 }
 
 /** A page of a run, in the frame of its behaviour. */
@@ -130,8 +156,11 @@ export const routes = [
         children: [
           { index: true, element: <Navigate to="play" replace /> },
           { path: "play", element: <InBehaviour page={playPage} /> },
-          { path: "recordings", element: <InBehaviour page={recordingsPage} /> },
-          { path: "rank", element: <InBehaviour page={rankPage} /> },
+          {
+            path: "recordings",
+            element: <InBehaviour page={recordingsPage} beside={RecordingsBeside} />,
+          },
+          { path: "rank", element: <InBehaviour page={rankPage} beside={RankingBeside} /> },
           { path: "train", element: <InBehaviour page={trainPage} /> },
           { path: "runs", element: <InBehaviour page={runsPage} /> },
         ],

@@ -2,25 +2,37 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from itertools import repeat
+from typing import Any
+
+from fastapi import Response
+from pydantic_core import to_json
 from sqlalchemy.orm import Session
 
-from server.api.schemas.library import Library, LibraryColumns
+from server.api.schemas.library import LibraryColumns
 from tril.games import game_of
-from tril.games.behaviours import score
+from tril.games.behaviours import Behaviour, score
 from tril.store import behaviours, library, rankings
 from tril.store.access.credentials import Identity
+from tril.store.database import parse_json
 from tril.store.models import BehaviourRow
 
+_OF_GAMES = ("n_hits", "targets", "strays", "order_errors")
 
-def library_view(
+
+def library_response(
     session: Session,
     who: Identity,
     behaviour: BehaviourRow,
     brief: library.Brief,
     *,
     borrowed: bool = False,
-) -> Library:
-    """Show a library, or what of it changed, by a behaviour's target.
+) -> Response:
+    """Show a library, or what of it changed, by a behaviour's target: a ``Library`` as JSON.
+
+    It is written here, column by column, since FastAPI would do it in the event loop: 30 ms for
+    20,000 recordings, in which no game goes on.
 
     Args:
         session: The transaction.
@@ -29,43 +41,61 @@ def library_view(
         brief: The library.
         borrowed: Whether it is what the behaviour has borrowed, which is never perfect there.
     """
-    target = behaviours.as_behaviour(behaviour)
-    game = game_of(target)
-    entries = brief.entries
     knows_all = not who.is_participant
-    cells = [tuple((row, column) for row, column, _ in entry.taken) for entry in entries]
-    scores = [score(target, hits) for hits in cells]
+    columns = _columns(behaviours.as_behaviour(behaviour), brief.entries)
+    unknown = () if knows_all else ("run_id", "parent_id", "parent_frame")
+    n_entries = len(brief.entries)
+    columns |= dict.fromkeys(unknown, [None] * n_entries)
+    if borrowed or not knows_all:
+        columns["perfect"] = [False] * n_entries
     ranking = rankings.as_ranking(rankings.current(session, behaviour.id))
-    return Library(
-        cursor=brief.cursor,
-        whole=brief.whole,
-        removed=list(brief.removed),
-        ranked=list(ranking.items) if knows_all else [],
-        recordings=LibraryColumns(
-            id=[entry.id for entry in entries],
-            source=[entry.source for entry in entries],
-            player=[entry.player for entry in entries],
-            run_id=[entry.run_id if knows_all else None for entry in entries],
-            parent_id=[entry.parent_id if knows_all else None for entry in entries],
-            parent_frame=[entry.parent_frame if knows_all else None for entry in entries],
-            state=[entry.state for entry in entries],
-            verification=[entry.verification for entry in entries],
-            n_frames=[entry.n_frames for entry in entries],
-            n_steps=[game.clock.n_steps(entry.n_frames) for entry in entries],
-            end=[entry.end for entry in entries],
-            n_hits=[len(hits) for hits in cells],
-            targets=[None if one is None else one.targets for one in scores],
-            strays=[None if one is None else one.strays for one in scores],
-            order_errors=[None if one is None else one.order_errors for one in scores],
-            counters={
-                name: [entry.counters.get(name, 0) for entry in entries] for name in game.counters
-            },
-            score=[entry.score for entry in entries],
-            measured=[
-                [entry.measured.get(measure.key) for entry in entries]
-                for measure in target.measures
-            ],
-            perfect=[knows_all and not borrowed and entry.perfect for entry in entries],
-            deleted=[entry.deleted_at is not None for entry in entries],
-        ),
+    content = _object(
+        {
+            "cursor": to_json(brief.cursor),
+            "whole": to_json(brief.whole),
+            "removed": to_json(brief.removed),
+            "ranked": to_json(list(ranking.items) if knows_all else []),
+            "recordings": _object(
+                {name: to_json(columns[name]) for name in LibraryColumns.model_fields}
+            ),
+        }
     )
+    return Response(content, media_type="application/json")
+
+
+def _columns(behaviour: Behaviour, entries: Sequence[library.Entry]) -> dict[str, Any]:
+    """Return the lists of all fields."""
+    game = game_of(behaviour)
+    columns: dict[str, Any] = dict(
+        zip(library.COLUMNS, zip(*entries, strict=True) if entries else repeat(()), strict=False)
+    )
+    columns["n_steps"] = [game.clock.n_steps(n_frames) for n_frames in columns["n_frames"]]
+    of_games = [_of_game(behaviour, taken) for taken in columns["taken"]]
+    columns |= zip(_OF_GAMES, zip(*of_games, strict=True) if of_games else repeat(()))
+    counters = _parsed(columns["counters"])
+    columns["counters"] = {name: [one.get(name, 0) for one in counters] for name in game.counters}
+    measured = _parsed(columns["measured"]) if behaviour.measures else []
+    columns["measured"] = [
+        [one.get(measure.key) for one in measured] for measure in behaviour.measures
+    ]
+    return columns
+
+
+def _of_game(behaviour: Behaviour, taken: str) -> tuple[int, int | None, int | None, int | None]:
+    """Return the number of hits, and of targets, strays and errors of order."""
+    cells = tuple((row, column) for row, column, _ in parse_json(taken))
+    found = score(behaviour, cells)
+    if found is None:
+        return len(cells), None, None, None
+    return len(cells), found.targets, found.strays, found.order_errors
+
+
+def _parsed(column: Sequence[str]) -> list[Mapping[str, Any]]:
+    """Parse a column of JSON in which most values occur often."""
+    known = {text: parse_json(text) for text in set(column)}
+    return [known[text] for text in column]
+
+
+def _object(members: Mapping[str, bytes]) -> bytes:
+    """Write a JSON object of members that are JSON already."""
+    return b"{" + b",".join(to_json(key) + b":" + value for key, value in members.items()) + b"}"
