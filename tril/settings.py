@@ -53,6 +53,7 @@ class Settings(BaseSettings):
         max_games_per_player: Maximum number of open games per person. All browsers with the
             printed key are one person.
         max_recordings_per_player: Maximum number of recordings that are stored per person.
+        max_runs_per_player: Maximum number of runs that are stored per person.
         max_connections: Maximum number of connections to a server process.
         max_connections_per_address: Maximum number of these from one address.
         max_queued_runs: Maximum number of runs that wait in the queue; further ones are refused.
@@ -88,6 +89,7 @@ class Settings(BaseSettings):
     max_games: int = Field(default=0, ge=0)
     max_games_per_player: int = Field(default=8, ge=1)
     max_recordings_per_player: int = Field(default=20_000, ge=1)
+    max_runs_per_player: int = Field(default=5_000, ge=1)
     # Below 1024, the usual limit of open files, with room for files and the database.
     max_connections: int = Field(default=768, ge=1)
     max_connections_per_address: int = Field(default=256, ge=1)

@@ -104,6 +104,7 @@ def create_run(request: Request, who: Who, new: RunNew) -> Run:
             who.player_id,
             max_queued=services.settings.max_queued_runs,
             max_queued_of_player=services.settings.max_queued_runs_per_player,
+            max_of_player=services.settings.max_runs_per_player,
             parent_run_id=None if new.parent_run_id is None else str(new.parent_run_id),
             device=new.device,
         )

@@ -16,6 +16,7 @@ from tril.errors import NotFound, TrilError
 from tril.store import behaviours, players
 from tril.store.access import credentials, invitations
 from tril.store.models import Role
+from tril.store.players import TooManyPeople
 from tril.text import TextRefused
 
 MAX_FIELDS = 8
@@ -79,6 +80,8 @@ async def join(request: Request, pages: SmallPages) -> Response:
             if refusal.character is not None:
                 wrong = pages.texts.name_refused.format(character=refusal.character)
             return await _ask_for_name(request, pages, signed, wrong)
+        except TooManyPeople:
+            return await _ask_for_name(request, pages, signed, pages.texts.too_many)
         except TrilError:
             # The name is missing, or the invitation is over; the page says which.
             pass

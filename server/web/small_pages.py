@@ -49,6 +49,7 @@ class Texts:
         "Type the name instead of pasting it."
     )
     name_too_long: str = "A name can have at most 80 characters."
+    too_many: str = "There are as many people as this server takes. Ask whoever sent the link."
     begin: str = "Begin"
     over: str = "This invitation is over"
     over_why: str = (
@@ -87,6 +88,8 @@ _GERMAN = Texts(
     name_refused="Der Name hat ein Zeichen, das man nicht sieht oder das andere anders aussehen "
     "lässt ({character}). Tippe den Namen, statt ihn einzufügen.",
     name_too_long="Ein Name kann höchstens 80 Zeichen haben.",
+    too_many="Mehr Leute nimmt dieser Server nicht auf. Wende dich an die Person, von der du den "
+    "Link hast.",
     begin="Los",
     over="Diese Einladung gilt nicht mehr",
     over_why="Sie wurde zurückgezogen, ist abgelaufen oder hat schon so viele hereingelassen, wie "

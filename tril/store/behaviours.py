@@ -36,6 +36,9 @@ from tril.text import clean_line, folded, shown_line
 MAX_BEHAVIOURS = 500
 """Most behaviours that can exist at the same time."""
 
+MAX_STORED = 5_000
+"""Most behaviours that are stored, deleted ones included."""
+
 MAX_NAME_LENGTH = 120
 
 
@@ -185,13 +188,14 @@ def create(
         Invalid: The name is empty, or the target, a setting or a measure is not valid.
         TextRefused: The name or the description can't be accepted.
         NameTaken: There is one of this name.
-        Conflict: There are MAX_BEHAVIOURS already.
+        Conflict: There are MAX_BEHAVIOURS already, or MAX_STORED with those that were deleted.
     """
-    n = session.scalar(
-        select(func.count()).select_from(BehaviourRow).where(BehaviourRow.deleted_at.is_(None))
-    )
-    if (n or 0) >= MAX_BEHAVIOURS:
-        raise Conflict(f"There are {n} behaviours already; delete some first.")
+    _refuse_too_many(session)
+    n_stored = session.scalar(select(func.count()).select_from(BehaviourRow)) or 0
+    if n_stored >= MAX_STORED:
+        raise Conflict(
+            f"{n_stored} behaviours are stored, deleted ones included, and no more can be."
+        )
     name = clean_line(name, MAX_NAME_LENGTH)
     slug = _free_slug(session, name)
     behaviour = Behaviour(slug, name, description, game, target, ordered, settings, measures)
@@ -281,11 +285,13 @@ def restore(session: Session, behaviour_id: int, player_id: int | None = None) -
     Raises:
         NotFound: There has never been such a behaviour.
         NameTaken: Another behaviour has its name by now.
+        Conflict: There are MAX_BEHAVIOURS already.
     """
     row = session.get(BehaviourRow, behaviour_id)
     if row is None:
         raise NotFound(f"There is no behaviour {behaviour_id}.")
     if row.deleted_at is not None:
+        _refuse_too_many(session)
         _refuse_taken_name(session, row.name, besides=row.id)
         row.deleted_at = None
         audit.note(session, audit.Action.RESTORED, player_id, f"behaviour {row.id}", name=row.name)
@@ -309,6 +315,13 @@ def seed_built_in(session: Session) -> None:
     for behaviour in published():
         if behaviour.slug not in known:
             _add(session, behaviour, built_in=True)
+
+
+def _refuse_too_many(session: Session) -> None:
+    query = select(func.count()).select_from(BehaviourRow)
+    n = session.scalar(query.where(BehaviourRow.deleted_at.is_(None))) or 0
+    if n >= MAX_BEHAVIOURS:
+        raise Conflict(f"There are {n} behaviours already; delete some first.")
 
 
 def _add(session: Session, behaviour: Behaviour, built_in: bool) -> BehaviourRow:

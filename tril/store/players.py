@@ -4,17 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from sqlalchemy import exists, or_, select
+from sqlalchemy import exists, func, or_, select
 from sqlalchemy.orm import Session
 
-from tril.errors import Invalid, NotFound
+from tril.errors import Conflict, Invalid, NotFound
 from tril.store import audit
 from tril.store.changes import note_change
 from tril.store.models import CredentialRow, PlayerRow, Role
 from tril.text import clean_line, folded
 
+MAX_PEOPLE = 10_000
+"""Most people that there can be, those of imported games included."""
+
 OWNER_NAME = "Player"
 """Name of the owner until it is changed."""
+
+
+class TooManyPeople(Conflict):
+    """There are as many people as there can be."""
 
 
 def owner(session: Session) -> PlayerRow:
@@ -25,6 +32,11 @@ def owner(session: Session) -> PlayerRow:
     if row is None:
         raise NotFound("The database has no owner yet; run `tril migrate`.")
     return row
+
+
+def count(session: Session) -> int:
+    """Return the number of people."""
+    return session.scalar(select(func.count()).select_from(PlayerRow)) or 0
 
 
 def lock(session: Session, player_id: int) -> None:
@@ -53,9 +65,12 @@ def add(session: Session, name: str, role: Role) -> PlayerRow:
     Raises:
         Invalid: They have no name.
         TextRefused: The name can't be accepted.
+        TooManyPeople: There are MAX_PEOPLE already.
     """
     if not (name := clean_line(name)):
         raise Invalid("A player needs a name.")
+    if count(session) >= MAX_PEOPLE:
+        raise TooManyPeople(f"There are {MAX_PEOPLE:,} people already, and no more can be added.")
     row = PlayerRow(name=name, role=role)
     session.add(row)
     session.flush()

@@ -32,6 +32,7 @@ def create_run(
     parent_run_id: str | None = None,
     max_queued: int | None = None,
     max_queued_of_player: int | None = None,
+    max_of_player: int | None = None,
     device: RunDevice = RunDevice.ANY,
 ) -> RunRow:
     """Make a queued run with a frozen snapshot of the behaviour's ranking.
@@ -52,6 +53,7 @@ def create_run(
         parent_run_id: The run whose imitator PPO begins with, in place of the run's own clone.
         max_queued: Most runs that may wait in the queue; None for any number.
         max_queued_of_player: Most of those that may be this person's.
+        max_of_player: Most runs of this person that may be stored, deleted ones included.
         device: Which workers may take it.
 
     Raises:
@@ -101,6 +103,8 @@ def create_run(
             " one has begun, or cancel one. Whoever runs this server can allow more"
             " (TRIL_MAX_QUEUED_RUNS_PER_PLAYER)."
         )
+    if max_of_player is not None and player_id is not None:
+        _refuse_too_many(session, player_id, max_of_player)
     row = RunRow(
         id=str(uuid.uuid4()),
         # By which those that wait are ordered, whichever machine they were made on.
@@ -131,6 +135,15 @@ def create_run(
     )
     note_change(session, "run", row.id)
     return row
+
+
+def _refuse_too_many(session: Session, player_id: int, limit: int) -> None:
+    n_stored = runs.count_made_by(session, player_id)
+    if n_stored >= limit:
+        raise Conflict(
+            f"{n_stored} runs of yours are stored, deleted ones included, and no more may be."
+            " Whoever runs this server can allow more (TRIL_MAX_RUNS_PER_PLAYER)."
+        )
 
 
 def _refuse_unfit_parent(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from itertools import repeat
 from typing import Any
 
 from fastapi import Response
@@ -66,12 +65,10 @@ def library_response(
 def _columns(behaviour: Behaviour, entries: Sequence[library.Entry]) -> dict[str, Any]:
     """Return the lists of all fields."""
     game = game_of(behaviour)
-    columns: dict[str, Any] = dict(
-        zip(library.COLUMNS, zip(*entries, strict=True) if entries else repeat(()), strict=False)
-    )
+    columns: dict[str, Any] = _transposed(library.COLUMNS, entries)
     columns["n_steps"] = [game.clock.n_steps(n_frames) for n_frames in columns["n_frames"]]
     of_games = [_of_game(behaviour, taken) for taken in columns["taken"]]
-    columns |= zip(_OF_GAMES, zip(*of_games, strict=True) if of_games else repeat(()))
+    columns |= _transposed(_OF_GAMES, of_games)
     counters = _parsed(columns["counters"])
     columns["counters"] = {name: [one.get(name, 0) for one in counters] for name in game.counters}
     measured = _parsed(columns["measured"]) if behaviour.measures else []
@@ -79,6 +76,13 @@ def _columns(behaviour: Behaviour, entries: Sequence[library.Entry]) -> dict[str
         [one.get(measure.key) for one in measured] for measure in behaviour.measures
     ]
     return columns
+
+
+def _transposed(names: Sequence[str], rows: Sequence[Sequence[Any]]) -> dict[str, Sequence[Any]]:
+    """Return the columns of rows by their names; empty ones if there are no rows."""
+    if not rows:
+        return dict.fromkeys(names, ())
+    return dict(zip(names, zip(*rows, strict=True), strict=True))
 
 
 def _of_game(behaviour: Behaviour, taken: str) -> tuple[int, int | None, int | None, int | None]:

@@ -18,6 +18,7 @@ from testsupport.protocol import FrameDecoder, read_frames_file
 from testsupport.workplace import FRAMES, Workplace
 from tril.games.atari.palette import palette_rgb
 from tril.games.space_invaders.memory import SCREEN_SHAPE
+from tril.store import behaviours
 from tril.store.models import RecordingRow, RecordingState, Verification
 
 
@@ -118,6 +119,26 @@ def test_a_behaviour_whose_name_was_taken_meanwhile_stays_deleted(client: TestCl
     client.post("/api/behaviours", json={"name": "Mine"})
     assert client.post(f"{path}/restore").status_code == 409
     assert client.get(path).status_code == 404
+
+
+def test_behaviours_are_limited_and_deleted_ones_count(
+    client: TestClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    n = len(client.get("/api/behaviours").json())
+    monkeypatch.setattr(behaviours, "MAX_BEHAVIOURS", n + 1)
+    monkeypatch.setattr(behaviours, "MAX_STORED", n + 2)
+    first = client.post("/api/behaviours", json={"name": "First"}).json()["id"]
+    refused = client.post("/api/behaviours", json={"name": "Second"})
+    assert refused.status_code == 409
+    assert refused.json()["detail"] == f"There are {n + 1} behaviours already; delete some first."
+    client.delete(f"/api/behaviours/{first}")
+    assert client.post("/api/behaviours", json={"name": "Second"}).status_code == 201
+    assert client.post(f"/api/behaviours/{first}/restore").status_code == 409
+    monkeypatch.setattr(behaviours, "MAX_BEHAVIOURS", n + 10)
+    assert client.post(f"/api/behaviours/{first}/restore").status_code == 200
+    refused = client.post("/api/behaviours", json={"name": "Third"})
+    assert refused.status_code == 409
+    assert "deleted ones included" in refused.json()["detail"]
 
 
 def test_a_target_can_not_change_once_something_was_played(client: TestClient) -> None:

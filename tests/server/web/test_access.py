@@ -452,6 +452,50 @@ def test_a_person_stores_and_queues_only_so_much(workplace: Workplace) -> None:
         assert "TRIL_MAX_QUEUED_RUNS_PER_PLAYER" in refused.json()["detail"]
 
 
+def test_a_person_stores_only_so_many_runs(workplace: Workplace) -> None:
+    with live_server(workplace.settings.data, max_runs_per_player=1) as live:
+        run = {"behaviour_id": 1, "recipe": "fast", "training_seed": 0}
+        made = live.http.post("/api/runs", json=run)
+        assert made.status_code == 201
+        path = f"/api/runs/{made.json()['id']}"
+        assert live.http.post(f"{path}/cancel").is_success
+        assert live.http.delete(path).is_success
+        refused = live.http.post("/api/runs", json=run)
+        assert refused.status_code == 409
+        assert "TRIL_MAX_RUNS_PER_PLAYER" in refused.json()["detail"]
+
+
+def test_links_that_are_not_revoked_are_limited(
+    live: LiveServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    n = len(live.http.get("/api/invitations").json())
+    monkeypatch.setattr(invitations, "MAX_INVITATIONS", n + 1)
+    wish = {"name": "A class", "role": "participant", "behaviour_id": 1}
+    made = live.http.post("/api/invitations", json=wish)
+    assert made.status_code == 201
+    refused = live.http.post("/api/invitations", json=wish)
+    assert refused.status_code == 409
+    assert refused.json()["detail"] == f"There are {n + 1} links already; revoke some first."
+    assert live.http.delete(f"/api/invitations/{made.json()['id']}").is_success
+    assert live.http.post("/api/invitations", json=wish).status_code == 201
+
+
+def test_a_link_lets_in_only_as_many_people_as_there_can_be(
+    live: LiveServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wish = {"name": "A class", "role": "participant", "behaviour_id": 1}
+    signed = live.http.post("/api/invitations", json=wish).json()["path"].partition("=")[2]
+    with live.database.reading() as session:
+        monkeypatch.setattr(players, "MAX_PEOPLE", players.count(session) + 1)
+    with httpx2.Client(base_url=f"http://{live.authority}") as guest:
+        first = guest.post("/join", data={"invitation": signed, "name": "Ada"})
+        assert first.status_code == 303
+        second = guest.post("/join", data={"invitation": signed, "name": "Bea"})
+        assert "as many people as this server takes" in second.text
+    with live.database.reading() as session:
+        assert players.count(session) == players.MAX_PEOPLE
+
+
 def test_links_name_the_address_that_others_reach(
     workplace: Workplace, monkeypatch: pytest.MonkeyPatch
 ) -> None:

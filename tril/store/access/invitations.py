@@ -7,7 +7,7 @@ from datetime import timedelta
 from sqlalchemy import ColumnElement, or_, select
 from sqlalchemy.orm import Session
 
-from tril.errors import Invalid, NotFound
+from tril.errors import Conflict, Invalid, NotFound
 from tril.store import audit, behaviours, players
 from tril.store.access import credentials
 from tril.store.changes import note_change
@@ -24,6 +24,9 @@ DEFAULT_USES = 30
 """A class."""
 
 MAX_USES = 1000
+
+MAX_INVITATIONS = 200
+"""Most links that are not revoked."""
 
 DEFAULT_DAYS = 30
 
@@ -54,6 +57,7 @@ def make(
         Invalid: It has no name, is for another owner, lacks a participant's behaviour, or a bound
             is out of range.
         NotFound: There is no such behaviour.
+        Conflict: There are MAX_INVITATIONS already.
     """
     if not (name := clean_line(name)):
         raise Invalid("Say whom the invitation is for, so that you can tell it from others.")
@@ -68,6 +72,8 @@ def make(
             raise Invalid(f"A link lets people in for 1 to {most} {what}, got {value}.")
     if behaviour_id is not None:
         behaviours.get(session, behaviour_id)
+    if len(listing(session, limit=MAX_INVITATIONS)) >= MAX_INVITATIONS:
+        raise Conflict(f"There are {MAX_INVITATIONS} links already; revoke some first.")
     secret = credentials.new_secret()
     row = InvitationRow(
         name=name,
@@ -122,6 +128,7 @@ def accept(
     Raises:
         NotFound: The invitation lets nobody in any more, or is unknown.
         Invalid: They gave no name.
+        TooManyPeople: There are players.MAX_PEOPLE already.
         TextRefused: The name can't be accepted.
     """
     # Locked, so that no more people come by it at once than it is for.

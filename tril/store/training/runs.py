@@ -27,6 +27,12 @@ def count_queued(session: Session, *further: ColumnElement[bool]) -> int:
     return session.scalar(select(func.count()).select_from(RunRow).where(*queued)) or 0
 
 
+def count_made_by(session: Session, player_id: int) -> int:
+    """Return the number of runs that a person has made, deleted ones included."""
+    query = select(func.count()).select_from(RunRow).where(RunRow.player_id == player_id)
+    return session.scalar(query) or 0
+
+
 def get(session: Session, run_id: str, *, for_update: bool = False) -> RunRow:
     """Return a run, locked if asked for; raises NotFound if there is none or it was deleted."""
     row = session.get(
