@@ -1,6 +1,8 @@
 """The replay process: answers requests on standard input until it closes.
 
-Requests and answers are pickled, which is safe between a process and the one that it started.
+Requests and answers are pickled, which is safe between a process and the one that it started. Each
+is pickled as bytes within a pickle, so that one that can't be read, as of a game that is not
+installed any more, is read from the pipe to its end and leaves the next one as it is.
 """
 
 from __future__ import annotations
@@ -12,6 +14,7 @@ import sys
 import traceback
 
 from server.play.replays.request import Answer, AnyRequest, execute
+from tril.games import UnknownGame
 from tril.play.consoles import Consoles
 from tril.recording import RecordingRefused
 
@@ -31,20 +34,25 @@ def main() -> None:
     consoles = Consoles()
     while True:
         try:
-            request: AnyRequest = pickle.load(requests)
+            packed: bytes = pickle.load(requests)
         except EOFError:
             return
-        pickle.dump(_answer(request, consoles), answers)
+        pickle.dump(_answer(packed, consoles), answers)
         answers.flush()
 
 
-def _answer(request: AnyRequest, consoles: Consoles) -> Answer:
+def _answer(packed: bytes, consoles: Consoles) -> bytes:
     try:
-        return Answer(content=execute(request, consoles))
+        request: AnyRequest = pickle.loads(packed)
+        answer = Answer(content=execute(request, consoles))
+        return pickle.dumps(answer)
     except RecordingRefused as refusal:
-        return Answer(refusal=str(refusal))
+        answer = Answer(refusal=str(refusal))
+    except UnknownGame as unknown:
+        answer = Answer(unknown_game=str(unknown))
     except Exception:  # noqa: BLE001
-        return Answer(failure=traceback.format_exc())  # logged by the server
+        answer = Answer(failure=traceback.format_exc())  # logged by the server
+    return pickle.dumps(answer)
 
 
 if __name__ == "__main__":

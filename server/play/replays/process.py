@@ -23,6 +23,7 @@ from server.play.replays.request import (
 )
 from tril.errors import Unavailable
 from tril.exchange.formats.recording_file import ImportedRecording
+from tril.games import UnknownGame
 from tril.games.base import Cell
 from tril.games.measures import Measure
 from tril.games.measuring import Values
@@ -61,7 +62,7 @@ class ReplayProcess:
 
         Returns:
             The product, empty for a check; or RecordingRefused, if the replay differs from what was
-            recorded, or Unavailable.
+            recorded, UnknownGame, if the process does not have its game, or Unavailable.
         """
         return self._thread.submit(self._execute, Request(task, recording, tuple(taken)))
 
@@ -131,6 +132,8 @@ class ReplayProcess:
         answer = self._ask(request)
         if answer.refusal is not None:
             raise RecordingRefused(answer.refusal)
+        if answer.unknown_game is not None:
+            raise UnknownGame(answer.unknown_game)
         if answer.failure is not None:
             _LOG.error("A replay failed: %s", answer.failure)
             raise Unavailable(_UNAVAILABLE)
@@ -138,20 +141,22 @@ class ReplayProcess:
 
     def _ask(self, request: AnyRequest) -> Answer:
         """Send a request; retries once with a new process if the present one has died."""
+        packed = pickle.dumps(request)
         for is_last in (False, True):
             try:
                 process = self._running()
                 assert process.stdin is not None
                 assert process.stdout is not None
-                pickle.dump(request, process.stdin)
+                pickle.dump(packed, process.stdin)
                 process.stdin.flush()
-                answer: Answer = pickle.load(process.stdout)
+                answered: bytes = pickle.load(process.stdout)
             except (OSError, EOFError, pickle.UnpicklingError) as error:
                 self._end()
                 _LOG.warning("The replay process has died: %r", error)
                 if is_last:
                     raise Unavailable(_UNAVAILABLE) from error
             else:
+                answer: Answer = pickle.loads(answered)
                 return answer
         raise AssertionError("unreachable")
 

@@ -98,11 +98,13 @@ class Answer:
         content: The product, empty for a check; or the game that was played, or loaded; or values
             of measures.
         refusal: Why the recording does not replay; None if it does.
+        unknown_game: That its game is not installed; None if it is.
         failure: A traceback, if something else went wrong.
     """
 
     content: Content = b""
     refusal: str | None = None
+    unknown_game: str | None = None
     failure: str | None = None
 
 

@@ -19,6 +19,7 @@ from testsupport.workplace import Workplace
 from tril.demonstrators import play_varied
 from tril.errors import NotFound, Unavailable
 from tril.exchange.formats.recording_file import dump_recording, load_recording
+from tril.games import UnknownGame
 from tril.games.space_invaders import SPACE_INVADERS
 from tril.recording import Recording, RecordingRefused, trajectory
 from tril.store import recordings
@@ -122,6 +123,22 @@ def test_an_error_is_one_request_s_own(
     with pytest.raises(Unavailable, match="Try again"):
         replays.submit(cast("ReplayTask", "nonsense"), played[0]).result(PATIENCE_S)
     assert replays.submit(ReplayTask.CHECK, *played).result(PATIENCE_S) == b""
+
+
+def test_a_game_that_is_not_installed_is_one_request_s_own(
+    replays: ReplayProcess, played: tuple[Recording, list[tuple[int, int]]]
+) -> None:
+    replays.submit(ReplayTask.CHECK, *played).result(PATIENCE_S)
+    child = _process_of(replays)
+    # As if the game's package had been removed since this process, which knows it, began.
+    gone = replace(played[0], game=replace(SPACE_INVADERS, name="removed"))
+    for _ in range(2):
+        with pytest.raises(UnknownGame, match="There is no game 'removed' here"):
+            replays.submit(ReplayTask.THUMBNAIL, gone).result(PATIENCE_S)
+        with pytest.raises(UnknownGame, match="There is no game 'removed' here"):
+            replays.play_varied("removed", 0).result(PATIENCE_S)
+        assert replays.submit(ReplayTask.CHECK, *played).result(PATIENCE_S) == b""
+    assert _process_of(replays) == child
 
 
 def test_a_process_that_does_not_start_is_said(
