@@ -11,6 +11,11 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.main import get_command, get_group
 
+from cli.terminal import NO_MEMORY, errors
+
+_NO_ROOM = ("failed to map segment", "cannot allocate memory")
+"""What the loader of libraries says where memory is limited; Python makes an ImportError of it."""
+
 
 class LazyCommand(TyperCommand):
     """A command, or a group of commands, known by its name and its help until it is called."""
@@ -28,9 +33,20 @@ class LazyCommand(TyperCommand):
 
     @cached_property
     def command(self) -> Any:
-        """The command itself."""
+        """The command itself.
+
+        Raises:
+            typer.Exit: There is not enough memory to import it.
+        """
         module, _, attribute = self._reference.partition(":")
-        found = getattr(import_module(module), attribute)
+        try:
+            found = getattr(import_module(module), attribute)
+        except (MemoryError, ImportError) as error:
+            said = str(error).lower()
+            if isinstance(error, ImportError) and not any(words in said for words in _NO_ROOM):
+                raise
+            errors.print(NO_MEMORY)
+            raise typer.Exit(1) from error
         if isinstance(found, typer.Typer):
             group = get_group(found)
             group.name = self.name

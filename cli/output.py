@@ -15,6 +15,7 @@ from pydantic import ValidationError
 from rich.text import Text
 from sqlalchemy.exc import DatabaseError
 
+from cli.terminal import MORE_MEMORY, NO_MEMORY
 from cli.terminal import console as console
 from cli.terminal import errors as errors
 from tril.errors import Invalid, TrilError
@@ -36,6 +37,9 @@ def readable_errors() -> Iterator[None]:
     except (TrilError, DatabaseError, sqlite3.DatabaseError, OverflowError) as error:
         errors.print(Text.assemble(("Error:", "bold red"), f" {_message(error)}"))
         raise typer.Exit(1) from error
+    except MemoryError as error:
+        errors.print(NO_MEMORY)
+        raise typer.Exit(1) from error
     except OSError as error:
         # What names no file failed within a command, and has to be known.
         advice = _ADVICE.get(error.errno or 0, _PLACE if error.filename else None)
@@ -49,7 +53,6 @@ _PLACE = "Choose another place."
 _FOLDER = "Let this user write there, or choose another data folder with TRIL_DATA."
 _DISK = "Free some space on the disk, or choose another data folder with TRIL_DATA."
 _FILES = "Let this process open more files (ulimit -n 1024), and start again."
-_MEMORY = "Close other programs, or allow more memory, and start again."
 _LOCKS = "Choose a data folder on a disk of this machine with TRIL_DATA."
 _ADVICE = {
     errno.EROFS: _FOLDER,
@@ -59,7 +62,7 @@ _ADVICE = {
     errno.EDQUOT: _DISK,
     errno.EMFILE: _FILES,
     errno.ENFILE: _FILES,
-    errno.ENOMEM: _MEMORY,
+    errno.ENOMEM: MORE_MEMORY,
     errno.ENOLCK: _LOCKS,
     errno.EOPNOTSUPP: _LOCKS,
     errno.ENOSYS: _LOCKS,

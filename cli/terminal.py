@@ -28,5 +28,8 @@ class PlainConsole(Console):
                 yield Segment(printable(segment.text, keep="\n\t"), segment.style)
 
 
+MORE_MEMORY = "Close other programs, or allow more memory, and start again."
+NO_MEMORY = f"Error: There is not enough memory. {MORE_MEMORY}"
+
 console = PlainConsole(highlight=False, soft_wrap=True, markup=False, emoji=False)
 errors = PlainConsole(stderr=True, highlight=False, soft_wrap=True, markup=False, emoji=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import logging
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
@@ -39,6 +40,8 @@ from tril.games.behaviours import Behaviour
 from tril.games.space_invaders import SPACE_INVADERS
 from tril.play.episode import Episode
 from tril.recording import Recorder, Recording, Replay
+
+_LOG = logging.getLogger(__name__)
 
 N_PERFECT = 12
 """Perfect demonstrations of an example, for the clone."""
@@ -224,15 +227,24 @@ def make_example(
 
 def execute(tasks: Sequence[DemonstrationTask], n_processes: int = 1) -> Iterator[Demonstration]:
     """Execute tasks, in this process or in others, and yield the demonstrations in order."""
-    if n_processes == 1:
+    pool = None if n_processes == 1 else _pool(n_processes)
+    if pool is None:
         yield from map(_execute, tasks)
         return
-    # Spawned: a fork would copy the locks of this process's threads.
-    pool = ProcessPoolExecutor(n_processes, mp_context=get_context("spawn"))
     try:
         yield from pool.map(_execute, tasks)
     finally:
         pool.shutdown(cancel_futures=True)
+
+
+def _pool(n_processes: int) -> ProcessPoolExecutor | None:
+    """Start processes; None where there can be none, since their locks need /dev/shm."""
+    try:
+        # Spawned: a fork would copy the locks of this process's threads.
+        return ProcessPoolExecutor(n_processes, mp_context=get_context("spawn"))
+    except OSError as error:
+        _LOG.warning("Demonstrations are played in one process, without /dev/shm: %s.", error)
+        return None
 
 
 def _execute(task: DemonstrationTask) -> Demonstration:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from collections import Counter
 from dataclasses import replace
 
@@ -199,6 +201,20 @@ def test_the_same_seed_gives_the_same_human_games(human: list[Demonstration]) ->
 
     assert again(0, 3, 11) == [human[3], human[11]]
     assert again(1, 3)[0].recording != human[3].recording
+
+
+def test_where_processes_can_share_no_lock_this_one_plays(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def refuse(*_arguments: object, **_options: object) -> None:
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+
+    # As without /dev/shm, or with one that can't be written.
+    monkeypatch.setattr("multiprocessing.synchronize.SemLock.__init__", refuse)
+    monkeypatch.setattr("tril.demonstrators.example._execute", lambda task: (os.getpid(), task))
+    tasks = example_tasks(BY_SLUG["column-2"], np.random.default_rng(0), 2, HUMAN_KIND)
+    assert list(execute(tasks, n_processes=2)) == [(os.getpid(), task) for task in tasks]
+    assert "without /dev/shm: [Errno 30] Read-only file system" in caplog.text
 
 
 def test_every_behaviour_has_human_games_for_the_best_and_the_worst_plan() -> None:
