@@ -10,7 +10,10 @@ export interface Change {
   readonly key: string;
 }
 
-/** What tabs broadcast; after a reconnection anything may have changed. */
+/**
+ * What tabs broadcast; after a reconnection anything may have changed, and so may it where another tab
+ * has taken the stream over.
+ */
 type Message =
   | { readonly kind: "change"; readonly change: Change }
   | { readonly kind: "reconnected" }
@@ -62,8 +65,8 @@ export function listenToChanges(listener: StreamListener): () => void {
     channel.close();
   });
 
-  const stream = () => {
-    const kept = keepStream(stop.signal, (message) => {
+  const stream = (takesOver: boolean) => {
+    const kept = keepStream(stop.signal, takesOver, (message) => {
       dispatch(message);
       channel.postMessage(message);
     });
@@ -76,11 +79,16 @@ export function listenToChanges(listener: StreamListener): () => void {
   // harmless.
   const locks = (navigator as Partial<Navigator>).locks;
   if (locks) {
-    locks.request(LOCK, { signal: stop.signal }, stream).catch(() => {
-      if (!stop.signal.aborted) void stream();
-    });
+    locks
+      .request(LOCK, { ifAvailable: true }, (lock) =>
+        lock && !stop.signal.aborted ? stream(false) : undefined,
+      )
+      .then(() => locks.request(LOCK, { signal: stop.signal }, () => stream(true)))
+      .catch(() => {
+        if (!stop.signal.aborted) void stream(false);
+      });
   } else {
-    void stream();
+    void stream(false);
   }
   return () => stop.abort();
 }
@@ -93,10 +101,15 @@ interface KeptStream {
 }
 
 /** Keeps the connection open until the signal aborts. */
-function keepStream(signal: AbortSignal, emit: (message: Message) => void): KeptStream {
+function keepStream(
+  signal: AbortSignal,
+  takesOver: boolean,
+  emit: (message: Message) => void,
+): KeptStream {
   let source: EventSource;
   let timer: ReturnType<typeof setTimeout> | undefined;
-  let broken = false;
+  // Changes since the other tab was closed were told to nobody.
+  let broken = takesOver;
 
   const connect = () => {
     source = new EventSource(EVENTS_URL);

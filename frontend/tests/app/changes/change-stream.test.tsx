@@ -26,9 +26,18 @@ class FakeEventSource extends EventTarget {
 /** Locks as a browser keeps them: one holder at a time, the others wait in order. */
 class FakeLocks {
   private tail: Promise<unknown> = Promise.resolve();
+  private held = 0;
 
-  request(_name: string, options: { signal: AbortSignal }, work: () => Promise<void>) {
-    const turn = this.tail.then(() => (options.signal.aborted ? undefined : work()));
+  async request(
+    _name: string,
+    options: { signal?: AbortSignal; ifAvailable?: boolean },
+    work: (lock: object | null) => Promise<void> | undefined,
+  ): Promise<void> {
+    if (options.ifAvailable && this.held > 0) return work(null);
+    this.held += 1;
+    const turn = this.tail
+      .then(() => (options.signal?.aborted ? undefined : work({})))
+      .finally(() => (this.held -= 1));
     this.tail = turn;
     return turn;
   }
@@ -96,8 +105,10 @@ describe("the event stream", () => {
     await settled();
     expect(FakeEventSource.opened[0]?.readyState).toBe(FakeEventSource.CLOSED);
     expect(FakeEventSource.opened).toHaveLength(2);
+    FakeEventSource.opened[1]?.dispatchEvent(new Event("open"));
     FakeEventSource.opened[1]?.change("ranking", "3");
-    expect(second.heard).toEqual(["ranking 3"]);
+    // What changed in between was told to nobody, so that all is fetched again.
+    expect(second.heard).toEqual(["again", "ranking 3"]);
     expect(first.heard).toEqual([]);
   });
 
