@@ -7,7 +7,14 @@ import {
   useWindowVirtualizer,
   type Virtualizer,
 } from "@tanstack/react-virtual";
-import { type ReactNode, type RefObject, useLayoutEffect, useRef, useState } from "react";
+import {
+  type ReactNode,
+  type RefObject,
+  useCallback,
+  useLayoutEffect,
+  useRef,
+  useState,
+} from "react";
 
 import { classes } from "@/lib/classes";
 
@@ -36,6 +43,7 @@ export function WindowList(props: VirtualListProps) {
   const [top, setTop] = useState(0);
   const columns = useColumns(list);
   const range = useRange(props, columns);
+  const keyOfRow = useRowKeys(props.ids, columns);
   // What stands above it may change with any rendering; the same number renders nothing.
   // eslint-disable-next-line react-hooks/exhaustive-deps
   useLayoutEffect(() => {
@@ -46,6 +54,7 @@ export function WindowList(props: VirtualListProps) {
   const virtualizer = useWindowVirtualizer<HTMLDivElement>({
     ...optionsOf(props, columns),
     ...range.options,
+    getItemKey: keyOfRow,
     scrollMargin: top,
   });
   return <Rows {...props} {...{ list, columns, virtualizer, top, onFocused: range.setFocused }} />;
@@ -58,6 +67,7 @@ export function ScrolledList(props: VirtualListProps & { scroller: HTMLElement |
   const [top, setTop] = useState(0);
   const columns = useColumns(list);
   const range = useRange(props, columns);
+  const keyOfRow = useRowKeys(props.ids, columns);
   // eslint-disable-next-line react-hooks/exhaustive-deps
   useLayoutEffect(() => {
     const box = list.current?.getBoundingClientRect();
@@ -68,6 +78,7 @@ export function ScrolledList(props: VirtualListProps & { scroller: HTMLElement |
   const virtualizer = useVirtualizer<HTMLElement, HTMLDivElement>({
     ...optionsOf(props, columns),
     ...range.options,
+    getItemKey: keyOfRow,
     getScrollElement: () => scroller,
     // What is not laid out yet may become as high as the window.
     observeElementRect: (instance, tell) =>
@@ -83,12 +94,21 @@ function optionsOf({ ids, rowPx, gapPx }: VirtualListProps, columns: number) {
   return {
     count: Math.ceil(ids.length / columns),
     estimateSize: () => rowPx,
-    // Rows whose items change are measured anew.
-    getItemKey: (row: number) => ids.slice(row * columns, (row + 1) * columns).join(" "),
     measureElement: (row: HTMLDivElement) => row.offsetHeight || rowPx,
     gap: gapPx,
     overscan: OVERSCAN,
   };
+}
+
+/**
+ * Names a row by its items, so that rows whose items change are measured anew. All rows are, where the
+ * function is another one.
+ */
+function useRowKeys(ids: readonly number[], columns: number): (row: number) => string {
+  return useCallback(
+    (row) => ids.slice(row * columns, (row + 1) * columns).join(" "),
+    [ids, columns],
+  );
 }
 
 /** Keeps the rows of pinned items, and of the one that has the focus, in the document. */
