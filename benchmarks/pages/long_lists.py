@@ -4,9 +4,10 @@
 
 Writes recordings into a data folder of its own, most of them unranked, serves them and opens the
 page of the recordings and that of the ranking in Chromium. Times are from the navigation, the click
-or the choice until the page shows the answer in its next picture; the heap is that of JavaScript,
-before and after its garbage was collected. At last somebody else marks a recording as perfect that
-is in sight, and what the page receives thereafter is counted, as it is on the wire.
+or the choice until the page shows the answer in its next picture, the processor's time is that of
+server and browser together, which other load on the machine changes little; the heap is that of
+JavaScript, before and after its garbage was collected. At last somebody else marks a recording as
+perfect that is in sight, and what the page receives thereafter is counted, as it is on the wire.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
+import psutil
 from playwright.sync_api import CDPSession, Page, sync_playwright
 from sqlalchemy import insert, select
 
@@ -64,6 +66,12 @@ def write_recordings(workplace: Workplace, number: int, n_ranked: int) -> list[i
     return ids
 
 
+def processor_s() -> float:
+    """Return the processor time of this process, which serves, and of the browser so far."""
+    this = psutil.Process()
+    return sum(sum(one.cpu_times()[:2]) for one in (this, *this.children(recursive=True)))
+
+
 def heap_mb(devtools: CDPSession) -> float:
     """Return the size of the heap of JavaScript."""
     metrics = devtools.send("Performance.getMetrics")["metrics"]
@@ -86,7 +94,9 @@ def measure(
     )
     page.goto("about:blank")
     path = f"/behaviours/{behaviour_id}/{name}"
+    spent = processor_s()
     found["usable, s"] = until_drawn(page, lambda: page.goto(path, wait_until="commit"), usable)
+    found["processor until then, s"] = processor_s() - spent
     found["received, kB"] = sum(received) / 1e3
     found["DOM nodes"] = page.evaluate(NODES)
     found["heap, MB"] = heap_mb(devtools)
