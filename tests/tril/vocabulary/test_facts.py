@@ -1,0 +1,152 @@
+"""Vocabularies of games that are drawn here: a thing that is steered, one that is not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tril.errors import Invalid
+from tril.games import game_named
+from tril.vocabulary.blobs import BLOB_DTYPE, Background, find_blobs
+from tril.vocabulary.facts import Vocabulary
+from tril.vocabulary.sentences import colour_name, phrase, tell
+from tril.vocabulary.trace import Trace
+from tril.vocabulary.understanding import understand
+
+HORIZON = 100
+LEFT, RIGHT = 1, 2
+STEERED, FREE = 40, 80
+"""Colours."""
+
+
+def played(seed: int, n_steps: int = HORIZON, centre: float | None = None) -> Trace:
+    """Return a game of a steered thing, whose x is byte 3, and one that wanders by itself."""
+    rng = np.random.default_rng(seed)
+    x = rng.uniform(30, 130) if centre is None else centre
+    other = rng.uniform(30, 130)
+    memory = np.zeros((n_steps, 8), np.uint8)
+    held = np.zeros(n_steps, np.int64)
+    blobs = np.zeros(2 * n_steps, BLOB_DTYPE)
+    for step in range(n_steps):
+        if centre is None:
+            held[step] = rng.choice([0, LEFT, RIGHT])
+        else:
+            held[step] = LEFT if x > centre else RIGHT
+        x = np.clip(x + (held[step] == RIGHT) * 4 - (held[step] == LEFT) * 4, 5, 155)
+        other = np.clip(other + rng.normal() * 3, 5, 155)
+        memory[step, 3] = int(x)
+        memory[step, 5] = rng.integers(0, 4)
+        blobs[2 * step] = (step, STEERED, x, 180, 8, 6, 48)
+        blobs[2 * step + 1] = (step, FREE, other, 60, 4, 4, 16)
+    return Trace(memory, held, blobs)
+
+
+@pytest.fixture(scope="module")
+def words() -> Vocabulary:
+    background = np.zeros((210, 160), np.uint8)
+    return Vocabulary.of_games([played(seed) for seed in range(20)], background, 2, HORIZON)
+
+
+def test_the_thing_that_answers_the_buttons_is_the_players(words: Vocabulary) -> None:
+    assert {kind.colour for kind in words.kinds} == {STEERED, FREE}
+    assert words.player is not None
+    assert words.kinds[words.player].colour == STEERED
+
+
+def test_bytes_that_never_change_say_nothing_and_one_follows_the_thing(words: Vocabulary) -> None:
+    values = {g.subject[0]: g for g in words.groups if (g.source, g.aspect) == ("memory", "value")}
+    assert values.keys() == {3, 5}
+    twin = values[3].twin
+    assert twin is not None
+    assert (twin.kind, twin.axis) == (words.player, "x")
+    assert twin.place(100) == pytest.approx(100, abs=2)
+    assert values[5].twin is None
+
+
+def test_facts_are_shares_of_a_whole_game_so_that_a_short_one_forfeits(words: Vocabulary) -> None:
+    whole, half = played(50), played(50, HORIZON // 2)
+    facts = words.facts(whole)
+    assert facts.shape == (HORIZON, words.n_facts)
+    assert facts.min() >= 0
+    assert facts.max() <= 1
+    for group, columns in zip(words.groups, words.columns, strict=True):
+        if group.aspect in ("x", "y", "value") and group.source != "button":
+            assert facts[:, columns].sum(1) == pytest.approx(1)
+    assert words.summary(words.facts(half)).sum() < 0.6 * words.summary(facts).sum()
+
+
+def test_an_order_by_place_is_understood_and_told(words: Vocabulary) -> None:
+    games = [played(100 + place, centre=18.0 * place + 12) for place in range(8)]
+    summaries = np.stack([words.summary(words.facts(one)) for one in games])
+    understood = understand(words, summaries, [[place] for place in range(8)])
+    assert understood.posterior.log_odds > 0.5
+    values = understood.value(summaries)
+    assert np.corrcoef(values, -np.arange(8))[0, 1] > 0.8
+    told = tell(words, understood.posterior, game_named("pong"))
+    assert "left" in told[0].sentence
+    assert "what you steer" in told[0].sentence
+    assert sum(one.probability for one in told) <= 1.0001
+
+
+def test_the_same_order_turned_round_is_told_the_other_way(words: Vocabulary) -> None:
+    games = [played(100 + place, centre=18.0 * place + 12) for place in range(8)]
+    summaries = np.stack([words.summary(words.facts(one)) for one in games])
+    understood = understand(words, summaries, [[place] for place in reversed(range(8))])
+    assert "right" in tell(words, understood.posterior, game_named("pong"))[0].sentence
+
+
+def test_an_order_of_one_tier_is_refused(words: Vocabulary) -> None:
+    with pytest.raises(Invalid, match="two tiers"):
+        understand(words, words.pool, [[0, 1, 2]])
+
+
+def test_a_vocabulary_is_read_as_it_was_written(words: Vocabulary, tmp_path: Path) -> None:
+    path = tmp_path / "words.npz"
+    words.save(path)
+    again = Vocabulary.load(path)
+    assert (again.horizon, again.kinds, again.player, again.groups) == (
+        words.horizon,
+        words.kinds,
+        words.player,
+        words.groups,
+    )
+    assert np.array_equal(again.pool, words.pool)
+    assert np.array_equal(again.facts(played(3)), words.facts(played(3)))
+
+
+@pytest.mark.parametrize("content", [b"", b"PK\x03\x04 nothing", b"text"])
+def test_a_file_that_is_no_vocabulary_is_refused(content: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "words.npz"
+    path.write_bytes(content)
+    with pytest.raises(Invalid, match=r"words\.npz"):
+        Vocabulary.load(path)
+
+
+def test_every_group_has_a_phrase_either_way(words: Vocabulary) -> None:
+    game = game_named("pong")
+    for group in words.groups:
+        weights = np.linspace(-1, 2, group.n_facts)
+        phrases = {phrase(words, group, weights, game), phrase(words, group, -weights, game)}
+        assert len(phrases) == 2 or group.aspect in ("bits", "moves")
+        assert all(text and "None" not in text for text in phrases)
+
+
+def test_blobs_are_areas_of_one_colour_in_front_of_the_background() -> None:
+    background = Background((50, 60))
+    screen = np.full((50, 60), 7, np.uint8)
+    for _ in range(5):
+        background.add(screen)
+    shown = screen.copy()
+    shown[10:14, 20:26] = 100
+    shown[30:38, 5:7] = 100
+    shown[40, 40] = 50  # a pixel is no thing
+    found = find_blobs(shown, background.mode())
+    boxes = {(b["colour"], b["x"], b["y"], b["width"], b["height"], b["area"]) for b in found}
+    assert boxes == {(100, 22.5, 11.5, 6, 4, 24), (100, 5.5, 33.5, 2, 8, 16)}
+
+
+def test_colours_have_names() -> None:
+    assert colour_name(np.array([200.0, 60, 60])) == "red"
+    assert colour_name(np.array([0.0, 0, 0])) == "black"

@@ -1,0 +1,40 @@
+"""Vocabularies that ship with Tril, and those that are kept in the data folder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tril.games import DEFAULT_GAME, game_named
+from tril.vocabulary import making
+from tril.vocabulary.facts import Vocabulary
+
+SHIPPED_FOR = (DEFAULT_GAME,)
+
+
+def test_what_ships_is_of_the_games_and_the_format_of_today(tmp_path: Path) -> None:
+    names = {f"{making.vocabulary_key(game_named(name))}.npz" for name in SHIPPED_FOR}
+    assert {path.name for path in making.SHIPPED.glob("*.npz")} == names
+    for name in SHIPPED_FOR:
+        words = making.vocabulary_of(tmp_path, game_named(name))
+        assert len(words.pool) == making.N_GAMES
+        assert words.player is not None
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_vocabulary_is_made_once_and_made_anew_if_it_is_damaged(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(making, "N_GAMES", 2)
+    game = game_named("pong")
+    seen: list[tuple[int, int]] = []
+    made = making.vocabulary_of(tmp_path, game, lambda done, total: seen.append((done, total)))
+    assert seen == [(done, 6) for done in range(1, 7)]
+    again = making.vocabulary_of(tmp_path, game, lambda done, total: seen.append((done, total)))
+    assert again.groups == made.groups
+    assert len(seen) == 6
+    (path,) = (tmp_path / making.FOLDER).iterdir()
+    path.write_bytes(path.read_bytes()[:1000])
+    assert making.vocabulary_of(tmp_path, game).groups == made.groups
+    assert Vocabulary.load(path).groups == made.groups

@@ -1,0 +1,86 @@
+"""What an order is about, from tables of facts."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tril.vocabulary.posterior import Choices, Posterior, infer
+
+N_GROUPS = 20
+WIDTH = 3
+
+
+def facts(rng: np.random.Generator, n_games: int) -> np.ndarray:
+    return rng.normal(size=(n_games, N_GROUPS * WIDTH))
+
+
+GROUPS = [np.arange(WIDTH * index, WIDTH * (index + 1)) for index in range(N_GROUPS)]
+EQUAL = np.full(N_GROUPS, -np.log(N_GROUPS))
+
+
+def order_by(value: np.ndarray) -> Choices:
+    return Choices.of_tiers([[int(row)] for row in np.argsort(-value)], len(value))
+
+
+def inferred(seed: int, group: int, n_games: int = 12) -> tuple[np.ndarray, Posterior]:
+    values = facts(np.random.default_rng(seed), n_games)
+    return values, infer(values, GROUPS, EQUAL, order_by(values[:, GROUPS[group][1]]))
+
+
+def test_choices_of_tiers_leave_out_equals_and_what_was_chosen_before() -> None:
+    choices = Choices.of_tiers([[2], [0, 3], [1]], 5)
+    assert choices.chosen.tolist() == [2, 0, 3]
+    assert choices.among.astype(int).tolist() == [
+        [1, 1, 1, 1, 0],
+        [1, 1, 0, 0, 0],
+        [0, 1, 0, 1, 0],
+    ]
+    # One of four, then twice one of two.
+    assert choices.log_chance == pytest.approx(-np.log(4 * 2 * 2))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_group_that_orders_the_games_is_found(seed: int) -> None:
+    values, posterior = inferred(seed, group=7)
+    assert 7 in posterior.statements[0].groups
+    assert posterior.log_odds > 2
+    unseen = facts(np.random.default_rng(100 + seed), 200)
+    agreement = np.corrcoef(posterior.value(unseen), unseen[:, GROUPS[7][1]])[0, 1]
+    assert agreement > 0.6
+    assert len(posterior.value(values)) == len(values)
+
+
+def test_a_sum_of_two_groups_is_found_as_two() -> None:
+    values = facts(np.random.default_rng(3), 30)
+    value = values[:, GROUPS[4][0]] + values[:, GROUPS[9][2]]
+    posterior = infer(values, GROUPS, EQUAL, order_by(value))
+    assert set(posterior.statements[0].groups) == {4, 9}
+
+
+def test_orders_by_chance_are_mostly_told_from_sense() -> None:
+    odds = []
+    for seed in range(30):
+        rng = np.random.default_rng(seed)
+        values = facts(rng, 12)
+        odds.append(infer(values, GROUPS, EQUAL, order_by(rng.normal(size=12))).log_odds)
+    assert np.mean(np.array(odds) > 0) <= 0.2
+
+
+def test_probabilities_add_up_and_answers_change_them() -> None:
+    _, posterior = inferred(0, group=7)
+    assert sum(one.probability for one in posterior.statements) == pytest.approx(1, abs=0.05)
+    meant = posterior.given(7)
+    assert all(7 in one.groups for one in meant.statements)
+    assert sum(one.probability for one in meant.statements) == pytest.approx(1)
+    other = posterior.without(7)
+    assert not any(7 in one.groups for one in other.statements)
+    with pytest.raises(ValueError, match="No statement"):
+        posterior.given(7, 8, 9)
+
+
+def test_ties_say_nothing_of_their_order() -> None:
+    values = facts(np.random.default_rng(5), 6)
+    tied = infer(values, GROUPS, EQUAL, Choices.of_tiers([[0, 1, 2], [3, 4, 5]], 6))
+    turned = infer(values, GROUPS, EQUAL, Choices.of_tiers([[2, 0, 1], [5, 3, 4]], 6))
+    assert tied.value(values) == pytest.approx(turned.value(values), abs=1e-3)

@@ -1,0 +1,287 @@
+"""What an order of games is about: a posterior over statements.
+
+A statement is one group of facts, or two together, whose weighted sum orders the games. Its weights
+have a Gaussian prior; the probability of the order is Plackett's and Luce's (Luce 1959), with ties
+as in Breslow's likelihood (Breslow 1974). The evidence of a statement is Laplace's (MacKay 1992),
+and values of games are averaged over statements (Hoeting et al. 1999). All statements are fitted at
+once, as batches of small Newton steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+Tiers = Sequence[Sequence[int]]
+"""Rows of games in tiers, the best first."""
+
+PRIOR_SD = 3.0
+"""Standard deviation of a statement's value over games, in log odds, before any order is seen."""
+N_PAIRED = 12
+"""Groups, the most probable first, that are tried two at a time."""
+N_KEPT = 40
+"""Statements that are kept."""
+MOST_NEWTON_STEPS = 12
+MOST_HALVINGS = 8
+TOLERANCE = 1e-4
+"""Change of the weights below which a fit is done."""
+
+
+@dataclass(frozen=True)
+class Choices:
+    """An order as choices: each chosen game against a set of games that holds it.
+
+    Attributes:
+        chosen: Row of the game that is chosen, int64 (n,).
+        among: Which games it is chosen from, bool (n, n_games).
+        weight: How much each choice counts, float64 (n,).
+    """
+
+    chosen: npt.NDArray[np.int64]
+    among: npt.NDArray[np.bool_]
+    weight: Array
+
+    @classmethod
+    def of_tiers(cls, tiers: Tiers, n_games: int, weight: float = 1.0) -> Choices:
+        """Return the choices of an order; the last tier is chosen from nothing else.
+
+        Args:
+            tiers: Rows of games, the best tier first.
+            n_games: Number of rows.
+            weight: How much each choice counts.
+        """
+        chosen: list[int] = []
+        among: list[npt.NDArray[np.bool_]] = []
+        left = np.zeros(n_games, np.bool_)
+        left[[game for tier in tiers for game in tier]] = True
+        for tier in tiers[:-1]:
+            for game in tier:
+                # Not among its equals, which it was not preferred to.
+                rest = left.copy()
+                rest[[other for other in tier if other != game]] = False
+                chosen.append(game)
+                among.append(rest)
+            left[list(tier)] = False
+        return cls(
+            np.array(chosen, np.int64),
+            np.array(among, np.bool_).reshape(-1, n_games),
+            np.full(len(chosen), weight),
+        )
+
+    def __add__(self, other: Choices) -> Choices:
+        return Choices(
+            np.concatenate([self.chosen, other.chosen]),
+            np.concatenate([self.among, other.among]),
+            np.concatenate([self.weight, other.weight]),
+        )
+
+    @property
+    def log_chance(self) -> float:
+        """Log of the probability of these choices if each is drawn blindly."""
+        return float(-self.weight @ np.log(self.among.sum(1)))
+
+
+@dataclass(frozen=True)
+class Statement:
+    """One or two groups of facts whose weighted sum orders the games.
+
+    Attributes:
+        groups: Indices of the groups.
+        probability: Of the statement among all, given the order.
+        columns: Its facts, int64 (n,).
+        weights: Of its standardised facts, float64 (n,).
+    """
+
+    groups: tuple[int, ...]
+    probability: float
+    columns: npt.NDArray[np.int64]
+    weights: Array
+
+    def value(self, values: Array) -> Array:
+        """Return the value of games, float64 (n_games,), from standardised facts."""
+        result: Array = values[:, self.columns] @ self.weights
+        return result
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """What an order is about.
+
+    Attributes:
+        statements: The most probable first; their probabilities add up to nearly 1.
+        log_odds: Of the order being about some statement, rather than drawn blindly: the log of
+            the ratio of the two evidences.
+    """
+
+    statements: tuple[Statement, ...]
+    log_odds: float
+
+    def value(self, values: Array) -> Array:
+        """Return the value of games averaged over statements, float64 (n_games,)."""
+        total = np.zeros(len(values))
+        for statement in self.statements:
+            total += statement.probability * statement.value(values)
+        return total
+
+    def given(self, *groups: int) -> Posterior:
+        """Return the posterior of those who mean these groups, by themselves or with another.
+
+        Raises:
+            ValueError: No statement that was kept has them.
+        """
+        kept = [one for one in self.statements if set(groups) <= set(one.groups)]
+        total = sum(one.probability for one in kept)
+        if not total:
+            raise ValueError(f"No statement has the groups {groups}.")
+        return Posterior(
+            tuple(
+                Statement(one.groups, one.probability / total, one.columns, one.weights)
+                for one in kept
+            ),
+            self.log_odds + float(np.log(total)),
+        )
+
+    def without(self, *groups: int) -> Posterior:
+        """Return the posterior of those who mean none of these groups.
+
+        Raises:
+            ValueError: Every statement that was kept has one of them.
+        """
+        kept = [one for one in self.statements if not set(groups) & set(one.groups)]
+        total = sum(one.probability for one in kept)
+        if not total:
+            raise ValueError(f"Every statement has one of the groups {groups}.")
+        return Posterior(
+            tuple(
+                Statement(one.groups, one.probability / total, one.columns, one.weights)
+                for one in kept
+            ),
+            self.log_odds + float(np.log(total)),
+        )
+
+
+def infer(
+    values: Array,
+    groups: Sequence[npt.NDArray[np.int64]],
+    log_prior: Array,
+    choices: Choices,
+) -> Posterior:
+    """Infer what an order is about.
+
+    Args:
+        values: Standardised facts of each game, float64 (n_games, n_facts).
+        groups: Columns of each group.
+        log_prior: Log of the prior probability of each group.
+        choices: The order.
+    """
+    # Games that were chosen from nothing only cost time.
+    used = np.flatnonzero(choices.among.any(0))
+    row = np.full(len(values), -1)
+    row[used] = np.arange(len(used))
+    choices = Choices(row[choices.chosen], choices.among[:, used], choices.weight)
+    values = values[used]
+    keys: list[tuple[int, ...]] = [(index,) for index in range(len(groups))]
+    log_p = np.asarray(log_prior, np.float64)
+    weights, log_evidence = _fit(values, groups, choices)
+    fitted = [weights[index, : len(groups[index])] for index in range(len(groups))]
+    singles = log_p + log_evidence
+    best = sorted(np.argsort(-singles)[:N_PAIRED].tolist())
+    pairs = list(combinations(best, 2))
+    joint = [np.concatenate([groups[one], groups[other]]) for one, other in pairs]
+    if pairs:
+        weights, log_evidence = _fit(values, joint, choices)
+        fitted += [weights[index, : len(columns)] for index, columns in enumerate(joint)]
+        keys += pairs
+        of_pairs = log_evidence + [log_p[one] + log_p[other] for one, other in pairs]
+        log_joint = np.concatenate([singles, of_pairs])
+    else:
+        log_joint = singles
+    log_total = float(np.logaddexp.reduce(log_joint))
+    columns_of = [*groups, *joint]
+    statements = tuple(
+        Statement(
+            keys[index],
+            float(np.exp(log_joint[index] - log_total)),
+            columns_of[index],
+            fitted[index],
+        )
+        for index in np.argsort(-log_joint)[:N_KEPT].tolist()
+    )
+    return Posterior(statements, log_total - choices.log_chance)
+
+
+def _fit(
+    values: Array, groups: Sequence[npt.NDArray[np.int64]], choices: Choices
+) -> tuple[Array, Array]:
+    """Fit the weights of each group to an order.
+
+    Returns:
+        The weights, float64 (n_groups, width of the widest), 0 beyond a group's own, and the log
+        of each group's evidence, float64 (n_groups,).
+    """
+    width = max(len(columns) for columns in groups)
+    # (n_groups, n_games, width); columns of zeros fill up, and change nothing.
+    x = np.zeros((len(groups), len(values), width))
+    precision = np.empty(len(groups))
+    for index, columns in enumerate(groups):
+        x[index, :, : len(columns)] = values[:, columns]
+        # The sum of n standardised facts then has the prior's standard deviation.
+        precision[index] = len(columns) / PRIOR_SD**2
+    weights = np.zeros((len(groups), width))
+    value = _log_posterior(x, weights, choices, precision)
+    at_work = np.arange(len(groups))
+    for _ in range(MOST_NEWTON_STEPS):
+        part, own = x[at_work], precision[at_work]
+        gradient, hessian = _derivatives(part, weights[at_work], choices, own)
+        step = np.linalg.solve(hessian, gradient[..., None])[..., 0]
+        # The log posterior is concave; halving a step that overshoots always ends.
+        for _ in range(MOST_HALVINGS):
+            reached = _log_posterior(part, weights[at_work] + step, choices, own)
+            worse = reached < value[at_work] - 1e-9
+            if not worse.any():
+                break
+            step[worse] /= 2
+        weights[at_work] += step
+        value[at_work] = _log_posterior(part, weights[at_work], choices, own)
+        at_work = at_work[np.abs(step).max(1) > TOLERANCE]
+        if not len(at_work):
+            break
+    _, hessian = _derivatives(x, weights, choices, precision)
+    log_det = np.linalg.slogdet(hessian)[1]
+    return weights, value + 0.5 * (width * np.log(precision) - log_det)
+
+
+def _log_posterior(x: Array, weights: Array, choices: Choices, precision: Array) -> Array:
+    """Return the log posterior of each group's weights but for a constant, (n_groups,)."""
+    score = (x @ weights[..., None])[..., 0]
+    # (n_groups, n_choices, n_games)
+    among = np.where(choices.among, score[:, None], -np.inf)
+    top = among.max(2)
+    log_sum = top + np.log(np.exp(among - top[..., None]).sum(2))
+    fit: Array = (score[:, choices.chosen] - log_sum) @ choices.weight
+    fit -= 0.5 * precision * (weights**2).sum(1)
+    return fit
+
+
+def _derivatives(
+    x: Array, weights: Array, choices: Choices, precision: Array
+) -> tuple[Array, Array]:
+    """Return the gradient, (n_groups, width), and minus the Hessian, (n_groups, width, width)."""
+    score = (x @ weights[..., None])[..., 0]
+    among = np.where(choices.among, score[:, None], -np.inf)
+    p = np.exp(among - among.max(2, keepdims=True))
+    p /= p.sum(2, keepdims=True)
+    # (n_groups, n_choices, width): mean facts of the games that were chosen from.
+    mean = p @ x
+    gradient = ((x[:, choices.chosen] - mean) * choices.weight[:, None]).sum(1)
+    # The sum over choices of the facts' covariance under p.
+    weighted = (choices.weight[:, None] * p).sum(1)
+    hessian = np.swapaxes(x * weighted[..., None], 1, 2) @ x
+    hessian -= np.swapaxes(mean * choices.weight[:, None], 1, 2) @ mean
+    hessian += precision[:, None, None] * np.eye(x.shape[2])
+    return gradient - precision[:, None] * weights, hessian

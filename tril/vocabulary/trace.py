@@ -1,0 +1,136 @@
+"""What is seen of a game step by step: memory, buttons, and the things on its screens."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from tril.games.base import Console, Game, Screen
+from tril.play.episode import Episode
+from tril.recording import Recording, replay
+from tril.vocabulary.blobs import BLOB_DTYPE, Background, Blobs, find_blobs
+
+MOST_SHIFT_PX = 6
+"""Between the two last frames of a step, by which a thing seen in both may have moved."""
+
+LookAtStep = Callable[[list[Screen], bytes, bytes], None]
+"""Called after each step: the screens of its last two frames, the memory, the step's actions."""
+
+
+@dataclass(frozen=True)
+class Trace:
+    """A game, step by step.
+
+    Attributes:
+        memory: After each step, uint8 (n_steps, n_bytes); no bytes where the game has none to show.
+        held: Buttons held in most frames of each step, as bits, int64 (n_steps,).
+        blobs: Of all steps in order of time, BLOB_DTYPE.
+    """
+
+    memory: npt.NDArray[np.uint8]
+    held: npt.NDArray[np.int64]
+    blobs: Blobs
+
+    @property
+    def n_steps(self) -> int:
+        """Number of steps."""
+        return len(self.memory)
+
+
+def colours_of(screen: Screen, game: Game) -> Screen:
+    """Return a colour number for each pixel, uint8 (height, width); 0 in areas that are hidden.
+
+    RGB is rounded to eight levels of red and green and four of blue.
+    """
+    colours: Screen = np.array(screen)
+    if game.screen.palette is None:
+        red, green, blue = np.moveaxis(colours, 2, 0)
+        colours = np.bitwise_or.reduce([red & 0xE0, green >> 3 & 0x1C, blue >> 6])
+    for area in game.screen.hidden:
+        colours[area.top : area.bottom, area.left : area.right] = 0
+    return colours
+
+
+def look_at_steps(recording: Recording, console: Console, look: LookAtStep) -> None:
+    """Replay a recording and look at every step; one that the end cuts short is left out.
+
+    Raises:
+        RecordingRefused: The recording goes on after its game's end.
+    """
+    per_step = recording.game.clock.frames_per_step
+    screens: list[Screen] = []
+
+    def look_at_frame(episode: Episode) -> None:
+        frame = episode.frame
+        if not frame:
+            return
+        left = -frame % per_step
+        if left <= 1:
+            screens.append(colours_of(console.screen(), recording.game))
+        if left == 0:
+            look(screens, console.ram_bytes(), recording.actions[frame - per_step : frame])
+            screens.clear()
+
+    replay(recording, console, look_at_frame)
+
+
+def count_background(recording: Recording, console: Console, background: Background) -> None:
+    """Count the colours of every third step of a recording."""
+    number = 0
+
+    def look(screens: list[Screen], _memory: bytes, _actions: bytes) -> None:
+        nonlocal number
+        if number % 3 == 0:
+            background.add(screens[-1])
+        number += 1
+
+    look_at_steps(recording, console, look)
+
+
+def trace(recording: Recording, console: Console, background: Screen) -> Trace:
+    """Replay a recording and return what is seen of it.
+
+    Args:
+        recording: The recording.
+        console: A console of its game.
+        background: Colour of each pixel, as `colours_of` returns them.
+
+    Raises:
+        RecordingRefused: The recording goes on after its game's end.
+    """
+    memory: list[npt.NDArray[np.uint8]] = []
+    held: list[int] = []
+    blobs: list[Blobs] = []
+    controls = recording.game.controls
+
+    def look(screens: list[Screen], ram: bytes, actions: bytes) -> None:
+        of_step = _blobs_of_step(screens, background)
+        of_step["step"] = len(memory)
+        blobs.append(of_step)
+        memory.append(np.frombuffer(ram, np.uint8))
+        action = int(np.bincount(np.frombuffer(actions, np.uint8)).argmax())
+        held.append(controls.buttons_for(action))
+
+    look_at_steps(recording, console, look)
+    return Trace(
+        np.array(memory, np.uint8).reshape(len(memory), len(console.ram_bytes())),
+        np.array(held, np.int64),
+        np.concatenate([np.empty(0, BLOB_DTYPE), *blobs]),
+    )
+
+
+def _blobs_of_step(screens: list[Screen], background: Screen) -> Blobs:
+    """Return the last screen's blobs, and those that flicker: only the screen before shows them."""
+    last = find_blobs(screens[-1], background)
+    if len(screens) == 1:
+        return last
+    before = find_blobs(screens[0], background)
+    # (n_before, n_last): how far apart they are.
+    distance = np.maximum(
+        np.abs(before["x"][:, None] - last["x"]), np.abs(before["y"][:, None] - last["y"])
+    )
+    alike = (before["colour"][:, None] == last["colour"]) & (distance < MOST_SHIFT_PX)
+    return np.concatenate([before[~alike.any(axis=1)], last])
