@@ -7,7 +7,9 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from cli.output import JsonOption, console, print_json
+from cli.output import JsonOption, console, errors, print_json
+from cli.progress import progress_bar
+from cli.workspace import open_workspace
 from tril.games import game_named, game_titles
 
 app = typer.Typer(help="The games that can be taught.", no_args_is_help=True)
@@ -75,3 +77,20 @@ def show_game(
     for what, value in facts.items():
         table.add_row(what, str(value))
     console.print(table)
+
+
+@app.command("prepare")
+def prepare_game(
+    name: Annotated[str, typer.Argument(help="The game, as `tril games list` names it.")],
+) -> None:
+    """Make what can be said of a game, from random play, so that no training waits for it."""
+    # Loaded when it is used: what looks at screens takes a second to import.
+    from tril.vocabulary.making import vocabulary_of
+
+    with open_workspace() as workspace:
+        game = game_named(name)
+        with progress_bar(f"Looking at {game.title}") as reporter:
+            words = vocabulary_of(workspace.settings.data, game, reporter.advance)
+    errors.print(
+        f"{game.title}: {len(words.kinds)} kinds of things, {len(words.groups)} groups of facts."
+    )

@@ -82,15 +82,18 @@ def start_run(
     return run_id
 
 
-def chosen_recipe(name: str, values: list[str] | None, game: Game) -> Recipe:
+def chosen_recipe(
+    name: str, values: list[str] | None, game: Game, has_target: bool = True
+) -> Recipe:
     """Return a game's recipe with values such as ``policy.learning_rate=0.001`` replaced.
 
     Args:
-        name: The recipe; "" for the one that is proposed for the game.
+        name: The recipe; "" for the one that is proposed.
         values: The values.
         game: The game.
+        has_target: Whether the behaviour says which items are wanted.
     """
-    name = name or next(iter(recipes_for(game.pretrained)))
+    name = name or next(iter(recipes_for(game.pretrained, has_target)))
     changes: dict[str, str] = {}
     for entry in values or []:
         path, equals, changes[path] = entry.partition("=")
@@ -102,7 +105,8 @@ def chosen_recipe(name: str, values: list[str] | None, game: Game) -> Recipe:
 def train(
     behaviour: Annotated[str, typer.Argument(help="Short name of the behaviour.")],
     recipe: Annotated[
-        str, typer.Option(help=f"One of {', '.join(RECIPES)}; else the one proposed for the game.")
+        str,
+        typer.Option(help=f"One of {', '.join(RECIPES)}; else the one proposed for the behaviour."),
     ] = "",
     steps: StepsOption = None,
     training_seed: SeedOption = 0,
@@ -123,7 +127,7 @@ def train(
     with open_workspace() as workspace:
         with workspace.database.reading() as session:
             taught = behaviours.as_behaviour(find_behaviour(session, behaviour))
-        chosen = chosen_recipe(recipe, value, game_of(taught))
+        chosen = chosen_recipe(recipe, value, game_of(taught), taught.target is not None)
         run_id = start_run(
             workspace,
             behaviour,

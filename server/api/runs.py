@@ -40,10 +40,13 @@ router = APIRouter(tags=["runs"])
 def list_recipes(
     session: ReadSession,
     game: Annotated[str, Query(max_length=160, description="Its name.")] = DEFAULT_GAME,
+    has_target: Annotated[
+        bool, Query(description="Whether the behaviour says which items are wanted.")
+    ] = True,
 ) -> list[Recipe]:
-    """Return the recipes that a game can be trained with, the proposed one first."""
+    """Return the recipes that a behaviour can be trained with, the proposed one first."""
     shown = []
-    for recipe in recipes_for(game_named(game).pretrained).values():
+    for recipe in recipes_for(game_named(game).pretrained, has_target).values():
         estimate = jobs.estimate(session, recipe)
         shown.append(
             Recipe(

@@ -15,6 +15,8 @@ from testsupport.finished_runs import make_finished_run
 from testsupport.workplace import Workplace
 from tril.store import processes
 from tril.store.training import artifacts
+from tril.vocabulary import making
+from tril.vocabulary.facts import Vocabulary
 
 DATA = Path(__file__).parents[1] / "data" / "column-1.jsonl"
 runner = CliRunner()
@@ -296,3 +298,10 @@ def test_names_are_no_markup_of_the_terminal(tmp_path: Path) -> None:
     file.write_text(json.dumps({**json.loads(lines[0]), "notes": "[/red]", "[/x]": 1}) + "\n")
     assert "[/x]" in _run("recordings", "import", str(file), "-b", "column-1")
     assert "[/red]" in _run("recordings", "list", "-b", "column-1")
+
+
+def test_a_game_is_looked_at_beforehand(data_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(making, "N_GAMES", 2)
+    assert "kinds of things" in _run("games", "prepare", "pong")
+    (kept,) = (data_folder / making.FOLDER).iterdir()
+    assert Vocabulary.load(kept).pool.shape[0] == 2

@@ -24,6 +24,18 @@ def advice(check: RankingCheck, *, aliens_alone: bool = False) -> str:
     """
     if check.passed:
         return ""
+    pairs = list(dict.fromkeys((pair.better, pair.worse) for pair in check.confused))
+    if check.log_odds is not None:
+        contradicting = (
+            f" Look first at tiers {_named(pairs[:1])}, which contradict the rest most."
+            if pairs
+            else ""
+        )
+        return (
+            "Nothing that Tril can tell of these games explains their order better than chance."
+            f"{contradicting} Rank more games that differ clearly in what you mean, or mend the"
+            " order. You can also go on anyway."
+        )
     measured = []
     if check.tau < PASSING_TAU:
         measured.append(
@@ -36,7 +48,6 @@ def advice(check: RankingCheck, *, aliens_alone: bool = False) -> str:
             f"it orders demonstrations that it did not learn from hardly better than chance"
             f" ({accuracy:.0%} of the pairs, at least {PASSING_ACCURACY:.0%} are needed)"
         )
-    pairs = list(dict.fromkeys((pair.better, pair.worse) for pair in check.confused))
     confused = f" It confuses tiers {_named(pairs)}." if pairs else ""
     return (
         f"The reward model has not understood the ranking: {', and '.join(measured)}.{confused} It "

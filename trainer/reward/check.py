@@ -19,6 +19,7 @@ from trainer.reward.fragments import Fragmenter, fragment_returns
 from trainer.reward.model import RewardModel, RewardNetwork, Spread
 from trainer.reward.preference_dataset import PreferenceDataset
 from trainer.reward.reward_trainer import network_trainer, standardisation
+from trainer.reward.statements import understanding_of
 from tril.ranking import Pair, kendall_tau
 from tril.recipes import RewardRecipe
 from tril.recording import LEVEL_STEPS
@@ -33,6 +34,8 @@ CONFIDENT_ACCURACY = 0.9
 PASSING_TAU = 0.5
 PASSING_ACCURACY = 0.6
 """Of 200 rankings in a random order 17 pass (docs/decisions/08-ranking-check.md)."""
+PASSING_LOG_ODDS = 0.0
+"""See docs/decisions/26-statements.md."""
 N_FRAGMENT_PAIRS = 5_000
 SURE = 0.95
 """Accuracy of a model that knows the order of two tiers."""
@@ -97,7 +100,9 @@ class RankingCheck:
             were trained without at least one of the two; None where it was not measured.
         confused: The tiers with confused demonstrations, worst first.
         passed: Whether there is something to learn: tau is at least 0.5 and the held-out accuracy
-            at least 0.6.
+            at least 0.6; of a statement, whether the order is more probable by it than by chance.
+        log_odds: Of the order being about a statement rather than drawn blindly; None of rewards
+            that are learned otherwise.
     """
 
     predicted_returns: dict[int, float]
@@ -107,6 +112,7 @@ class RankingCheck:
     held_out_accuracy: float | None
     confused: tuple[ConfusedTiers, ...]
     passed: bool
+    log_odds: float | None = None
 
     @property
     def is_confident(self) -> bool:
@@ -151,10 +157,21 @@ def check_ranking(
     tiers, pairs = dataset.tiers, dataset.pairs
     rewards = {i: dataset.score(model, i) for i in dataset.ranked}
     returns = {i: float(values[1:].sum(dtype=np.float64)) for i, values in rewards.items()}
-    levels = {i: final_level(model.level(values)) for i, values in rewards.items()}
-    tau = kendall_tau(tiers, levels)
     folds: list[RewardNetwork] = []
-    held_out = _cross_validate(dataset, seed, progress, folds, checkpoint_folder, device)
+    log_odds = None
+    if dataset.recipe.method == "statement":
+        # A statement is about all of a game; what it lacks to a whole one is forfeited.
+        horizon = dataset.words.horizon
+        levels = {
+            i: float(model.level(values[1:]).sum(dtype=np.float64)) / horizon
+            for i, values in rewards.items()
+        }
+        log_odds = understanding_of(dataset).posterior.log_odds
+        held_out = _cross_validate_statement(dataset, progress)
+    else:
+        levels = {i: final_level(model.level(values)) for i, values in rewards.items()}
+        held_out = _cross_validate(dataset, seed, progress, folds, checkpoint_folder, device)
+    tau = kendall_tau(tiers, levels)
     accuracy = _accuracy(held_out) if held_out else None
     tier_of = {i: number for number, tier in enumerate(tiers, 1) for i in tier}
     by_level = [(pair, levels[pair[0]] > levels[pair[1]]) for pair in pairs]
@@ -167,7 +184,12 @@ def check_ranking(
         ),
         held_out_accuracy=accuracy,
         confused=_confused(tier_of, by_level, held_out),
-        passed=tau >= PASSING_TAU and (accuracy is None or accuracy >= PASSING_ACCURACY),
+        passed=(
+            tau >= PASSING_TAU and (accuracy is None or accuracy >= PASSING_ACCURACY)
+            if log_odds is None
+            else log_odds >= PASSING_LOG_ODDS
+        ),
+        log_odds=log_odds,
     )
     if dataset.recipe.pretrained:
         model = replace(model, spread=jackknife(folds, dataset))
@@ -264,6 +286,28 @@ def _cross_validate(
         found = [(p, levels[p[0]] > levels[p[1]]) for p in pairs]
         outcomes += found
         progress.advance(first + updates, total, {"held_out_accuracy": _accuracy(found)})
+    return outcomes
+
+
+def _cross_validate_statement(dataset: PreferenceDataset, progress: Progress) -> list[PairOutcome]:
+    """Return how pairs are ordered by what is inferred without at least one of their two games."""
+    ranked = dataset.ranked
+    n_folds = min(dataset.recipe.folds, len(ranked))
+    outcomes: list[PairOutcome] = []
+    if n_folds < 2:
+        return outcomes
+    fold_of = {i: place % n_folds for place, i in enumerate(ranked)}
+    summaries = np.stack([dataset.summary(i) for i in ranked])
+    for fold in range(n_folds):
+        held_out = {i for i in ranked if fold_of[i] == fold}
+        if len(dataset.without(held_out).tiers) < 2:
+            continue
+        values = understanding_of(dataset, held_out).value(summaries)
+        value_of = dict(zip(ranked, values.tolist(), strict=True))
+        pairs = [p for p in dataset.pairs if fold in (fold_of[p[0]], fold_of[p[1]])]
+        found = [(p, value_of[p[0]] > value_of[p[1]]) for p in pairs]
+        outcomes += found
+        progress.advance(fold + 1, n_folds, {"held_out_accuracy": _accuracy(found)})
     return outcomes
 
 

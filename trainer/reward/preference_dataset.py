@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -17,6 +17,9 @@ from tril.games.base import Taken
 from tril.ranking import Pair
 from tril.recipes import RewardRecipe
 from tril.recording import Trajectory
+from tril.vocabulary.facts import Vocabulary
+
+Facts = npt.NDArray[np.float32]
 
 
 @dataclass(frozen=True)
@@ -25,11 +28,14 @@ class ObservedTrajectory:
 
     Attributes:
         observations: uint8 (N, 4, 84, 84), 0 to 255, one per step.
-        hits: The items taken, in order of time.
+        taken: The items taken, in order of time.
+        facts: What holds after each step in terms of the game's vocabulary, float32 (T, n_facts);
+            None where the reward is not learned from them.
     """
 
     observations: npt.NDArray[np.uint8]
     taken: tuple[Taken, ...] = ()
+    facts: Facts | None = None
 
     @cached_property
     def features(self) -> Tensor:
@@ -54,6 +60,23 @@ NO_PERFECT_DEMONSTRATIONS = PerfectDemonstrations()
 
 
 @dataclass(frozen=True)
+class GameFacts:
+    """What games were like in terms of a vocabulary.
+
+    Attributes:
+        words: The vocabulary.
+        ranked: Facts of each ranked trajectory, float32 (T, n_facts).
+        perfect: Facts of each perfect demonstration.
+        varied: Games of varied play, from which a network learns to see the facts, too.
+    """
+
+    words: Vocabulary
+    ranked: Sequence[Facts]
+    perfect: Sequence[Facts]
+    varied: Sequence[ObservedTrajectory]
+
+
+@dataclass(frozen=True)
 class PreferenceDataset:
     """Trajectories and what is known of their order.
 
@@ -62,12 +85,17 @@ class PreferenceDataset:
         tiers: Indices of the ranked trajectories, best tier first.
         recipe: How a reward is learned from them.
         perfect: Indices of the perfect demonstrations, ranked or not.
+        vocabulary: The game's, for method "statement".
+        varied: Games that nobody ranked, from which facts are learned to be seen.
     """
 
     trajectories: tuple[ObservedTrajectory, ...]
     tiers: tuple[tuple[int, ...], ...]
     recipe: RewardRecipe
     perfect: tuple[int, ...] = ()
+    vocabulary: Vocabulary | None = None
+    varied: tuple[ObservedTrajectory, ...] = ()
+    _summaries: dict[int, Facts] = field(default_factory=dict, compare=False)
 
     @classmethod
     def from_demonstrations(
@@ -76,6 +104,7 @@ class PreferenceDataset:
         tiers: Sequence[Sequence[int]],
         recipe: RewardRecipe,
         perfect: PerfectDemonstrations = NO_PERFECT_DEMONSTRATIONS,
+        facts: GameFacts | None = None,
     ) -> PreferenceDataset:
         """Make the dataset of a ranking and of the perfect demonstrations.
 
@@ -84,16 +113,46 @@ class PreferenceDataset:
             tiers: Indices into ``trajectories``, best tier first.
             recipe: How a reward is learned from them; method "paper" leaves out perfect ones.
             perfect: The perfect demonstrations.
+            facts: What the games were like; for method "statement".
         """
-        observed = [_observed(trajectory) for trajectory in trajectories]
+        of_ranked = facts.ranked if facts else [None] * len(trajectories)
+        of_perfect = facts.perfect if facts else [None] * len(perfect.trajectories)
+        observed = [_observed(*pair) for pair in zip(trajectories, of_ranked, strict=True)]
         indices = []
-        if recipe.method == "posterior":
-            for trajectory, ranked_as in zip(perfect.trajectories, perfect.ranked_as, strict=True):
+        if recipe.method != "paper":
+            for trajectory, ranked_as, found in zip(
+                perfect.trajectories, perfect.ranked_as, of_perfect, strict=True
+            ):
                 indices.append(len(observed) if ranked_as is None else ranked_as)
                 if ranked_as is None:
-                    observed.append(_observed(trajectory))
-        tier_indices = tuple(tuple(tier) for tier in tiers)
-        return cls(tuple(observed), tier_indices, recipe, tuple(indices))
+                    observed.append(_observed(trajectory, found))
+        return cls(
+            tuple(observed),
+            tuple(tuple(tier) for tier in tiers),
+            recipe,
+            tuple(indices),
+            facts.words if facts else None,
+            tuple(facts.varied) if facts else (),
+        )
+
+    @property
+    def words(self) -> Vocabulary:
+        """The game's vocabulary.
+
+        Raises:
+            ValueError: The dataset was made without facts.
+        """
+        if self.vocabulary is None:
+            raise ValueError("Expected a dataset with facts of its games.")
+        return self.vocabulary
+
+    def summary(self, index: int) -> Facts:
+        """Return the facts of a game, float32 (n_facts,)."""
+        if index not in self._summaries:
+            facts = self.trajectories[index].facts
+            assert facts is not None
+            self._summaries[index] = self.words.summary(facts)
+        return self._summaries[index]
 
     @property
     def ranked(self) -> tuple[int, ...]:
@@ -145,5 +204,5 @@ class PreferenceDataset:
         )
 
 
-def _observed(trajectory: Trajectory) -> ObservedTrajectory:
-    return ObservedTrajectory(trajectory.observations, taken=trajectory.taken)
+def _observed(trajectory: Trajectory, facts: Facts | None = None) -> ObservedTrajectory:
+    return ObservedTrajectory(trajectory.observations, trajectory.taken, facts)

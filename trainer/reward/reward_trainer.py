@@ -31,11 +31,15 @@ from trainer.progress import Progress
 from trainer.reward.fragment_logits import FragmentLogits, Seed
 from trainer.reward.model import RewardModel, RewardNetwork, new_network
 from trainer.reward.preference_dataset import PreferenceDataset
+from trainer.reward.statements import StatementTrainer, spread_of_statements, understanding_of
 from trainer.reward.wanted_aliens import WantedAliensTrainer
 from tril.errors import Invalid
 from tril.recording import LEVEL_STEPS
 
 CHECKPOINT_INTERVAL_S = 30.0
+
+WORST_STATES = 0.05
+"""Share of the states at whose R the level of a statement is 0."""
 
 _CURVE_POINTS = 200
 """Maximum number of points that a training adds to a curve."""
@@ -80,10 +84,12 @@ def network_trainer(
     seed: Seed,
     checkpoint: Path | None = None,
     device: torch.device = CPU,
-) -> RewardTrainer | WantedAliensTrainer:
+) -> RewardTrainer | WantedAliensTrainer | StatementTrainer:
     """Return what trains one network by the dataset's recipe; the arguments are RewardTrainer's."""
     if dataset.recipe.method == "posterior":
         return WantedAliensTrainer(dataset, updates, seed)
+    if dataset.recipe.method == "statement":
+        return StatementTrainer(dataset, updates, seed, device)
     if dataset.recipe.method != "paper":
         raise Invalid(
             f"This training's recipe learns the reward by the method {dataset.recipe.method!r},"
@@ -177,6 +183,9 @@ def calibrate(network: RewardNetwork, dataset: PreferenceDataset) -> RewardModel
     Of a pretrained network, whose scale has no meaning, R is scaled to a standard deviation of 1
     over all states of the ranked demonstrations and shifted so that the tier of lowest mean R has a
     mean of 0. A game that ends early is then no better than the worst demonstration going on.
+    Where R is a statement, its level is 0 where nothing is earned, or at the worst states of ranked
+    and varied games if they lose, so that an agent never gains by dying, and 1 in the mean of the
+    best games.
 
     Args:
         network: The network.
@@ -185,6 +194,8 @@ def calibrate(network: RewardNetwork, dataset: PreferenceDataset) -> RewardModel
     Raises:
         Invalid: The network gives all states the same value.
     """
+    if dataset.recipe.method == "statement":
+        return _calibrate_statement(network, dataset)
     model = RewardModel(network)
     if dataset.recipe.pretrained:
         offset, scale = standardisation(network, dataset)
@@ -205,6 +216,27 @@ def calibrate(network: RewardNetwork, dataset: PreferenceDataset) -> RewardModel
         # Nothing was learned, which the check of the ranking reports. Any scale keeps R usable.
         one = zero + 1.0
     return replace(model, zero=zero, one=one)
+
+
+def _calibrate_statement(network: RewardNetwork, dataset: PreferenceDataset) -> RewardModel:
+    spread = spread_of_statements(network, understanding_of(dataset))
+    plain = RewardModel(network)
+    ranked = _rewards(plain, dataset, dict.fromkeys((*dataset.ranked, *dataset.best)))
+    varied = [plain.score(game.observations[1:]) for game in dataset.varied]
+    every = np.concatenate([*ranked.values(), *varied])
+    # About 0, not about the mean: a statement may be that the game goes on.
+    scale, offset = float(np.sqrt((every**2).mean())), float(every.mean())
+    if scale < 1e-6:
+        raise Invalid(
+            "The reward model gives all states the same value: nothing was learned from this"
+            " ranking. Use other demonstrations."
+        )
+    # 0 is what a game earns that is over.
+    zero = (min(float(np.quantile(every, WORST_STATES)), 0.0) - offset) / scale
+    best = np.concatenate([ranked[index] for index in dataset.best])
+    one = max((float(best.mean()) - offset) / scale, zero + 0.5)
+    spread = replace(spread, weight=spread.weight / scale)
+    return RewardModel(network, offset, scale, zero, one, spread)
 
 
 def standardisation(network: RewardNetwork, dataset: PreferenceDataset) -> tuple[float, float]:

@@ -10,7 +10,13 @@ from typing import TypeVar
 from trainer.policy.networks import Policy, load_policy
 from trainer.progress import NullProgress, Progress
 from trainer.reward.model import RewardModel
-from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
+from trainer.reward.preference_dataset import (
+    Facts,
+    GameFacts,
+    ObservedTrajectory,
+    PerfectDemonstrations,
+    PreferenceDataset,
+)
 from trainer.runtime.context import RunContext
 from tril.analysis.outcome import RunSnapshot
 from tril.errors import Invalid
@@ -19,11 +25,17 @@ from tril.recording import Recording, RecordingRefused, Trajectory, trajectory
 from tril.store import recordings
 from tril.store.training import artifacts
 from tril.store.training.artifacts import ArtifactDamaged
+from tril.vocabulary.facts import Vocabulary
+from tril.vocabulary.making import varied_games, vocabulary_of
+from tril.vocabulary.trace import trace
 
 _Network = TypeVar("_Network")
 
 REWARD_MODEL = "reward-model.safetensors"
 NETWORK = "application/octet-stream"
+
+N_VARIED = 16
+"""Games of varied play from which a network learns to see the facts of a statement."""
 
 
 class RunData:
@@ -41,6 +53,9 @@ class RunData:
         self._trajectories: dict[int, Trajectory] = {}
         self._recordings: dict[int, Recording] = {}
         self._reward_model: RewardModel | None = None
+        self._words: Vocabulary | None = None
+        self._facts: dict[int, Facts] = {}
+        self._varied: list[ObservedTrajectory] = []
 
     @property
     def snapshot(self) -> RunSnapshot:
@@ -70,8 +85,38 @@ class RunData:
         place = {number: index for index, number in enumerate(self.snapshot.ranked)}
         ranked_as = [place.get(number) for number in self.snapshot.perfect]
         perfect = PerfectDemonstrations(self.perfect_trajectories, ranked_as)
+        recipe = self.context.recipe.reward
         return PreferenceDataset.from_demonstrations(
-            self.ranked_trajectories, self.index_tiers, self.context.recipe.reward, perfect
+            self.ranked_trajectories,
+            self.index_tiers,
+            recipe,
+            perfect,
+            self._game_facts() if recipe.method == "statement" else None,
+        )
+
+    def _game_facts(self) -> GameFacts:
+        """Return what the run's games, and varied ones, are like in the game's own vocabulary."""
+        game = self.context.game
+        words = self._words = self._words or vocabulary_of(
+            self.context.settings.data, game, lambda *_: self.context.check_cancelled()
+        )
+        console = game.make_console()
+        for number, recording in self.recordings(self.snapshot.recordings).items():
+            if number not in self._facts:
+                self._facts[number] = words.facts(trace(recording, console, words.background))
+                self.context.check_cancelled()
+        if not self._varied:
+            for recording in varied_games(game, N_VARIED):
+                observed = trajectory(recording, console)
+                facts = words.facts(trace(recording, console, words.background))
+                self._varied.append(ObservedTrajectory(observed.observations, facts=facts))
+                self.context.check_cancelled()
+        console.close()
+        return GameFacts(
+            words,
+            [self._facts[number] for number in self.snapshot.ranked],
+            [self._facts[number] for number in self.snapshot.perfect],
+            self._varied,
         )
 
     def recordings(self, ids: Sequence[int]) -> dict[int, Recording]:

@@ -86,19 +86,34 @@ class WantedAliens(Stored):
         return cls(labels=rounded[0], in_order=rounded[1])
 
 
+class ToldStatement(Stored):
+    """What an order is about, in words.
+
+    Attributes:
+        sentence: E.g. "what you steer further to the left".
+        probability: Of it, 0 to 1.
+    """
+
+    sentence: str
+    probability: float
+
+
 class CheckVerdict(CheckFigures):
     """Whether the reward model has understood the ranking.
 
     Attributes:
         advice: What to do; empty if it passed.
         warning: Names tiers that can't be told apart although it passed, if any.
-        wanted: What it has inferred; None of rewards that are learned otherwise.
+        wanted: Which aliens it infers to be wanted; None of rewards that are learned otherwise.
+        statements: What the order is about in words, the most probable first; empty of rewards
+            that are learned otherwise.
     """
 
     passed: bool
     advice: str
     warning: str = ""
     wanted: WantedAliens | None = None
+    statements: list[ToldStatement] = []
 
 
 class ConfusedTiers(Stored):

@@ -21,6 +21,9 @@ REWARD_UPDATE_S = 0.003
 """Overhead of an update of the reward model, besides its observations."""
 GIBBS_PASS_S = 0.0003
 """A pass of Gibbs sampling over the six columns, with a dozen ranked games."""
+VOCABULARY_S = 60.0
+"""Varied play, looked at step by step; a third of it where the vocabulary was made before."""
+STATEMENT_UPDATE_S = 0.04
 CLONING_OBSERVATIONS_PER_S = {"nature": 1_600.0, "small": 4_200.0}
 IMITATOR_STEPS_PER_S = {"nature": 400.0, "small": 750.0}
 FROZEN_STEPS_PER_S = 2_000.0
@@ -42,7 +45,7 @@ def expected_seconds(recipe: Recipe, steps: int) -> dict[Stage, float]:
         Stage.DEMONSTRATIONS: DEMONSTRATIONS_S,
         Stage.TRAJECTORIES: TRAJECTORIES_S,
         Stage.REWARD: 1.0 + _reading_seconds(reward) + _learning_seconds(reward),
-        Stage.CHECK: CHECK_S + reward.folds * _learning_seconds(reward.of_fold),
+        Stage.CHECK: CHECK_S + _checking_seconds(reward),
         Stage.CLONE: 1.0 + recipe.cloning.epochs * demonstrated / cloning_rate,
         Stage.IMITATOR: 2.0 + _imitator_seconds(recipe, steps),
         Stage.EVALUATION: 4.0 + games * MEAN_STEPS / EVALUATION_STEPS_PER_S,
@@ -80,8 +83,15 @@ def _learning_seconds(reward: RewardRecipe) -> float:
     """Return the seconds that the training of one reward network takes."""
     if reward.method == "posterior":
         return reward.updates * GIBBS_PASS_S
+    if reward.method == "statement":
+        return VOCABULARY_S + reward.updates * STATEMENT_UPDATE_S
     update_s = REWARD_UPDATE_S + _observations_per_update(reward) / REWARD_OBSERVATIONS_PER_S
     return reward.updates * update_s
+
+
+def _checking_seconds(reward: RewardRecipe) -> float:
+    """Return the seconds that the check's folds take; a statement is only inferred again."""
+    return 0.0 if reward.method == "statement" else reward.folds * _learning_seconds(reward.of_fold)
 
 
 def _observations_per_update(reward: RewardRecipe) -> float:

@@ -1,6 +1,6 @@
 """The learning recipes, as data. A run stores the whole recipe that it was made with."""
 
-from tril.recipes.built_in import DAGGER, FAST, GAIL, PAPER, RECIPES, recipe_named, recipes_for
+from tril.recipes.built_in import ANY, DAGGER, FAST, GAIL, PAPER, RECIPES, recipe_named, recipes_for
 from tril.recipes.changes import (
     FOR_PEOPLE,
     FORMER_NAMES,
@@ -23,6 +23,7 @@ from tril.recipes.values import (
 )
 
 __all__ = [
+    "ANY",
     "DAGGER",
     "FAST",
     "FORMER_NAMES",

@@ -65,6 +65,33 @@ FAST = Recipe(
     evaluation=EvaluationRecipe(openings=True),
 )
 
+ANY = Recipe(
+    name="any",
+    summary=(
+        "For any behaviour in any game; a quarter of an hour on a laptop: infers what the order is"
+        " about, says it in words, and begins with a clone."
+    ),
+    default_steps=300_000,
+    reward=RewardRecipe(
+        method="statement",
+        updates=1_500,
+        fragment_min_steps=24,
+        fragment_max_steps=100,
+        aligned=True,
+        folds=6,
+    ),
+    policy=replace(
+        FAST.policy,
+        reward="level",
+        death_penalty=0.0,
+        death_forfeit=0.0,
+        reward_scale=0.05,
+        snapshot_episodes=12,
+    ),
+    cloning=FAST.cloning,
+    evaluation=FAST.evaluation,
+)
+
 DAGGER = Recipe(
     name="dagger",
     summary=(
@@ -99,9 +126,14 @@ GAIL = replace(
     ),
 )
 
-RECIPES: dict[str, Recipe] = {recipe.name: recipe for recipe in (FAST, PAPER, DAGGER, GAIL)}
+RECIPES: dict[str, Recipe] = {recipe.name: recipe for recipe in (FAST, ANY, PAPER, DAGGER, GAIL)}
 
 _FROM_SCREENS: dict[str, Recipe] = {
+    ANY.name: replace(
+        ANY,
+        policy=replace(ANY.policy, freeze_convolutions=False),
+        cloning=replace(ANY.cloning, pretrained=False, freeze_convolutions=False),
+    ),
     PAPER.name: PAPER,
     GAIL.name: replace(
         GAIL,
@@ -112,14 +144,18 @@ _FROM_SCREENS: dict[str, Recipe] = {
 }
 
 
-def recipes_for(pretrained: bool) -> dict[str, Recipe]:
-    """Return the recipes for a game by name, the proposed one first.
+def recipes_for(pretrained: bool, has_target: bool = True) -> dict[str, Recipe]:
+    """Return the recipes for a behaviour by name, the proposed one first.
 
     Args:
-        pretrained: Whether networks that ship with Tril have learned to read its screens
+        pretrained: Whether networks that ship with Tril have learned to read its game's screens
             (`tril.games.base.Game.pretrained`); else only what learns from screens alone is left.
+        has_target: Whether the behaviour says which items are wanted, which `FAST` looks for; one
+            that does not may be about anything.
     """
-    return RECIPES if pretrained else _FROM_SCREENS
+    if not pretrained:
+        return _FROM_SCREENS
+    return RECIPES if has_target else {ANY.name: ANY} | RECIPES
 
 
 def recipe_named(name: str, pretrained: bool = True) -> Recipe:

@@ -73,9 +73,11 @@ class RewardRecipe:
         method: "paper" scores each fragment pair on its own, one pair per update (T-REX, section 4
             and its published code); "posterior" infers which aliens are wanted, see
             `wanted_aliens`; only ``updates`` and the folds' values affect it, and
-            fragments only how it is checked.
+            fragments only how it is checked; "statement" infers which facts of the game's
+            vocabulary the order is about, in any game, see `trainer.reward.statements`.
         learning_rate: Adam's learning rate.
-        updates: Gradient updates; method "posterior": passes of Gibbs sampling.
+        updates: Gradient updates; method "posterior": passes of Gibbs sampling; "statement":
+            updates of the network that reads its facts off the screen.
         fragment_pairs: Number of fragment pairs, sampled once, that the updates pass over; 0 is
             ``updates * pairs_per_update``, so that one pass is enough and no pair is used twice.
         pairs_per_update: Batch size, in fragment pairs.
@@ -90,7 +92,7 @@ class RewardRecipe:
         fold_updates: ``updates`` of each fold's network.
     """
 
-    method: Literal["paper", "posterior"] = "paper"
+    method: Literal["paper", "posterior", "statement"] = "paper"
     learning_rate: LearningRate = 5e-5
     updates: Count = 30_000
     fragment_pairs: CountOrNone = 6_000

@@ -2,18 +2,18 @@ import { queryOptions } from "@tanstack/react-query";
 
 import { api, fetchBytes, fetchFile, patientFetch, unwrap } from "./client";
 import { before, everyPage } from "./batches";
-import type { Run, RunNew, RunUpdate } from "./types";
+import type { Behaviour, Run, RunNew, RunUpdate } from "./types";
 
 function at(runId: string) {
   return { params: { path: { run_id: runId } } };
 }
 
-/** The recipes that a game can be trained with, the proposed one first. */
-export function recipesQuery(game: string) {
+/** The recipes that a behaviour can be trained with, the proposed one first. */
+export function recipesQuery({ game, target }: Pick<Behaviour, "game" | "target">) {
+  const query = { game, has_target: target !== null };
   return queryOptions({
-    queryKey: ["recipes", game],
-    queryFn: ({ signal }) =>
-      unwrap(api.GET("/api/recipes", { params: { query: { game } }, signal })),
+    queryKey: ["recipes", query],
+    queryFn: ({ signal }) => unwrap(api.GET("/api/recipes", { params: { query }, signal })),
   });
 }
 

@@ -860,7 +860,7 @@ export interface paths {
         };
         /**
          * List Recipes
-         * @description Return the recipes that a game can be trained with, the proposed one first.
+         * @description Return the recipes that a behaviour can be trained with, the proposed one first.
          */
         get: operations["list_recipes"];
         put?: never;
@@ -2489,6 +2489,11 @@ export interface components {
             passed: boolean;
             /** Returns */
             returns: components["schemas"]["RankedReturn"][];
+            /**
+             * Statements
+             * @default []
+             */
+            statements: components["schemas"]["ToldStatement"][];
             /** Tau */
             tau: number;
             wanted: components["schemas"]["WantedAliens"] | null;
@@ -3241,6 +3246,20 @@ export interface components {
             picture_url: string;
             /** Title */
             title: string;
+        };
+        /**
+         * ToldStatement
+         * @description What an order is about, in words.
+         *
+         *     Attributes:
+         *         sentence: E.g. "what you steer further to the left".
+         *         probability: Of it, 0 to 1.
+         */
+        ToldStatement: {
+            /** Probability */
+            probability: number;
+            /** Sentence */
+            sentence: string;
         };
         /**
          * TrainingGames
@@ -7512,6 +7531,8 @@ export interface operations {
             query?: {
                 /** @description Its name. */
                 game?: string;
+                /** @description Whether the behaviour says which items are wanted. */
+                has_target?: boolean;
             };
             header?: never;
             path?: never;

@@ -81,10 +81,14 @@ def test_recipes_are_those_of_the_game(client: TestClient) -> None:
         for game in ("space_invaders", "pong")
     }
     assert of["space_invaders"][0] == "fast"
-    assert of["pong"] == ["paper", "gail"]
+    answer = client.get("/api/recipes", params={"game": "space_invaders", "has_target": False})
+    of_no_target = [one["name"] for one in answer.json()]
+    assert of_no_target[0] == "any"
+    assert sorted(of_no_target) == sorted(of["space_invaders"])
+    assert of["pong"] == ["any", "paper", "gail"]
     behaviour = _behaviour(client, game="pong")
     answer = client.post(
         "/api/runs", json={"behaviour_id": behaviour["id"], "recipe": "fast", "steps": 10}
     )
     assert answer.status_code == 422
-    assert "choose one of paper, gail" in answer.json()["detail"]
+    assert "choose one of any, paper, gail" in answer.json()["detail"]

@@ -8,30 +8,49 @@ import numpy as np
 import pytest
 
 from testsupport.workplace import TINY_VALUES, Workplace
+from trainer.runtime import run_data
 from trainer.runtime.pipeline import Pipeline
 from tril.demonstrators.varied import play_varied
 from tril.games import game_named
 from tril.games.settings import GameSettings
-from tril.recipes import PAPER, with_values
+from tril.recipes import PAPER, Recipe, recipe_named, with_values
 from tril.store import behaviours, rankings, recordings
 from tril.store.models import RunStatus, Source
 from tril.store.training import evaluations
 from tril.teaching.new_run import create_run
+from tril.vocabulary import making
 
 TINY_PAPER = with_values(
     PAPER,
     TINY_VALUES | {"name": "tiny-paper", "policy.demonstration_share": 0.5, "cloning.epochs": 1},
 )
 
+TINY_ANY = with_values(
+    recipe_named("any", pretrained=False), TINY_VALUES | {"name": "tiny-any", "reward.folds": 2}
+)
+
 SETTINGS = {
     "gym:CartPole-v1": GameSettings(),
     "gym:MiniGrid-DoorKey-5x5-v0": GameSettings(max_steps=60),
+    "pong": GameSettings(max_steps=60),
 }
 
 
 @pytest.mark.lengthy
-@pytest.mark.parametrize("name", SETTINGS)
-def test_a_run_in_an_environment_is_learned_and_evaluated(workplace: Workplace, name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "recipe"),
+    [
+        ("gym:CartPole-v1", TINY_ANY),
+        ("gym:MiniGrid-DoorKey-5x5-v0", TINY_PAPER),
+        ("pong", TINY_ANY),
+    ],
+    ids=lambda value: value if isinstance(value, str) else value.name,
+)
+def test_a_run_in_any_game_is_learned_and_evaluated(
+    workplace: Workplace, monkeypatch: pytest.MonkeyPatch, name: str, recipe: Recipe
+) -> None:
+    monkeypatch.setattr(making, "N_GAMES", 3)
+    monkeypatch.setattr(run_data, "N_VARIED", 2)
     game = game_named(name).with_settings(SETTINGS[name])
     console = game.make_console()
     rng = np.random.default_rng(0)
@@ -52,7 +71,7 @@ def test_a_run_in_an_environment_is_learned_and_evaluated(workplace: Workplace, 
             for number, played in enumerate(reversed(games))
         ]
         rankings.save(session, behaviour.id, 0, [[number] for number in ids])
-        run_id = create_run(session, behaviour.id, TINY_PAPER, 64, 0, go_on_anyway=True).id
+        run_id = create_run(session, behaviour.id, recipe, 64, 0, go_on_anyway=True).id
     pipeline = Pipeline(workplace.database, workplace.settings, "worker-0", threading.Event())
     assert pipeline.train(run_id, pipeline.run_stage) == RunStatus.DONE, workplace.run(
         run_id
@@ -60,4 +79,7 @@ def test_a_run_in_an_environment_is_learned_and_evaluated(workplace: Workplace, 
     with workplace.database.reading() as session:
         evaluated = evaluations.listing(session, run_id)
     assert evaluated
+    check = workplace.run(run_id).outcome.check
+    assert check is not None
+    assert bool(check.statements) == (recipe.reward.method == "statement")
     assert workplace.run(run_id).versions["game_version"] == game.version

@@ -15,10 +15,18 @@ from trainer.progress import Progress
 from trainer.reward.advice import advice, warning
 from trainer.reward.check import check_ranking
 from trainer.reward.reward_trainer import train_reward_model
+from trainer.reward.statements import understanding_of
 from trainer.reward.wanted_aliens import labels_of
 from trainer.runtime.run_data import RunData
 from trainer.runtime.stages.snapshots import keep_snapshot
-from tril.analysis.outcome import CheckOutcome, ImitatorOutcome, RunOutcome, WantedAliens
+from tril.analysis.outcome import (
+    CheckOutcome,
+    ImitatorOutcome,
+    RunOutcome,
+    ToldStatement,
+    WantedAliens,
+)
+from tril.vocabulary.sentences import tell
 
 
 def replay_demonstrations(data: RunData, progress: Progress) -> None:
@@ -61,6 +69,7 @@ def check_reward(data: RunData, progress: Progress) -> RunOutcome:
         "advice": advice(check, aliens_alone=aliens_alone),
         "warning": warning(check),
         "wanted": _wanted(data) if inferred else None,
+        "statements": _statements(data) if context.recipe.reward.method == "statement" else [],
     }
     return RunOutcome(check=CheckOutcome.model_validate(found))
 
@@ -68,6 +77,14 @@ def check_reward(data: RunData, progress: Progress) -> RunOutcome:
 def _wanted(data: RunData) -> WantedAliens:
     labels, order = labels_of(data.reward_model.network)
     return WantedAliens.of(labels.tolist(), order.tolist())
+
+
+def _statements(data: RunData) -> list[ToldStatement]:
+    understanding = understanding_of(data.preference_dataset)
+    told = tell(understanding.words, understanding.posterior, data.context.game)
+    return [
+        ToldStatement(sentence=one.sentence, probability=round(one.probability, 3)) for one in told
+    ]
 
 
 def learn_clone(data: RunData, progress: Progress) -> None:

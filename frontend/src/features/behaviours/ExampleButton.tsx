@@ -15,7 +15,7 @@ export function ExampleButton({ behaviour }: { behaviour: Behaviour }) {
   const client = useQueryClient();
   const navigate = useNavigate();
   const toast = useToast();
-  const { data: recipes } = useQuery(recipesQuery(behaviour.game));
+  const { data: recipes } = useQuery(recipesQuery(behaviour));
   const recipe = recipes?.[0];
   const start = useMutation({
     mutationFn: createRun,

@@ -14,7 +14,7 @@ import styles from "./TrainPage.module.css";
 /** Starts a run on the current ranking, which continues the run that the address names, if any. */
 export function TrainPage({ behaviour }: { behaviour: Behaviour }) {
   const [search, setSearch] = useSearchParams();
-  const { data: recipes, error, refetch } = useQuery(recipesQuery(behaviour.game));
+  const { data: recipes, error, refetch } = useQuery(recipesQuery(behaviour));
   if (error && !recipes) {
     return <Failed what={t`The recipes`} error={error} onRetry={() => void refetch()} />;
   }

@@ -334,6 +334,7 @@ describe("the results", () => {
         ),
         in_order: Array.from({ length: 36 }, (_, index) => (index === 2 ? 1 : 0)),
       },
+      statements: [],
       confused: [
         {
           better_tier: 1,
@@ -441,6 +442,21 @@ describe("the results", () => {
     expect(
       wanted.getByText("In row 1, a wanted alien counts only once all on its left are gone."),
     ).toBeVisible();
+  });
+
+  it("say what the order is about where the reward is a statement", async () => {
+    const statements = [
+      { sentence: "what you steer further to the left", probability: 0.83 },
+      { sentence: "FIRE held less", probability: 0.09 },
+    ];
+    const check = results.check && { ...results.check, wanted: null, statements };
+    open(one, { ...results, check: check ?? null });
+
+    const told = within(await screen.findByRole("region", { name: /^What Tril understood/ }));
+    expect(told.getAllByRole("listitem").map((item) => item.textContent)).toEqual([
+      "what you steer further to the left83%",
+      "FIRE held less9%",
+    ]);
   });
 
   it("say nothing of wanted aliens where the reward was learned otherwise", async () => {

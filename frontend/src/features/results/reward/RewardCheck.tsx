@@ -14,6 +14,7 @@ import { recordingName } from "@/lib/recordings";
 import { judgedBy, type Measure, measureOf, type RankedReturn } from "./measure";
 import styles from "./reward.module.css";
 import { RewardByTier } from "./RewardByTier";
+import { Statements } from "./Statements";
 
 interface RewardCheckProps {
   check: RankingCheck;
@@ -29,6 +30,7 @@ export function RewardCheck({ check, behaviour, onWatch }: RewardCheckProps) {
     <>
       <Numbers check={check} />
       <p className={styles.verdict}>{verdictOf(check)}</p>
+      {check.statements.length > 0 && <Statements statements={check.statements} />}
       {check.wanted && Wanted && (
         <Wanted
           title={t`What the reward wants`}
