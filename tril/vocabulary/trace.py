@@ -112,7 +112,7 @@ def trace(recording: Recording, console: Console, background: Screen) -> Trace:
         blobs.append(of_step)
         memory.append(np.frombuffer(ram, np.uint8))
         action = int(np.bincount(np.frombuffer(actions, np.uint8)).argmax())
-        held.append(controls.buttons_for(action))
+        held.append(controls.held[action])
 
     look_at_steps(recording, console, look)
     return Trace(

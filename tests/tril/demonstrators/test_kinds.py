@@ -213,7 +213,8 @@ def test_where_processes_can_share_no_lock_this_one_plays(
     monkeypatch.setattr("multiprocessing.synchronize.SemLock.__init__", refuse)
     monkeypatch.setattr("tril.demonstrators.example._execute", lambda task: (os.getpid(), task))
     tasks = example_tasks(BY_SLUG["column-2"], np.random.default_rng(0), 2, HUMAN_KIND)
-    assert list(execute(tasks, n_processes=2)) == [(os.getpid(), task) for task in tasks]
+    played: list[object] = list(execute(tasks, n_processes=2))
+    assert played == [(os.getpid(), task) for task in tasks]
     assert "without /dev/shm: [Errno 30] Read-only file system" in caplog.text
 
 
