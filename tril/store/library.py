@@ -26,7 +26,7 @@ MAX_CHANGED = 1000
 
 _IN_LIBRARY = (RecordingState.KEPT, RecordingState.UNFINISHED, RecordingState.FINISHED)
 
-_COLUMNS = (
+_COLUMNS: Final[tuple[Any, ...]] = (
     RecordingRow.id,
     RecordingRow.source,
     PlayerRow.name.label("player"),
