@@ -23,6 +23,7 @@ from trainer.reward.statements import understanding_of
 from tril.ranking import Pair, kendall_tau
 from tril.recipes import RewardRecipe
 from tril.recording import LEVEL_STEPS
+from tril.vocabulary.understanding import PASSING_LOG_ODDS
 
 CONFIDENT_TAU = 0.75
 """Rankings of columns with three swapped neighbours reach 0.81 to 0.91.
@@ -34,8 +35,6 @@ CONFIDENT_ACCURACY = 0.9
 PASSING_TAU = 0.5
 PASSING_ACCURACY = 0.6
 """Of 200 rankings in a random order 17 pass (docs/decisions/08-ranking-check.md)."""
-PASSING_LOG_ODDS = 0.0
-"""See docs/decisions/26-statements.md."""
 N_FRAGMENT_PAIRS = 5_000
 SURE = 0.95
 """Accuracy of a model that knows the order of two tiers."""

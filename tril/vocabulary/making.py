@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import errno
+import fcntl
 import hashlib
 import json
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 
@@ -24,6 +28,7 @@ SEED = 20_261_128
 FOLDER = "vocabularies"
 SHIPPED = Path(__file__).with_name("shipped")
 """Vocabularies of games as they are without settings, made by `tril games prepare`."""
+LOCK_POLL_S = 0.5
 
 Progress = Callable[[int, int], None]
 """Called with what is done and the total."""
@@ -87,23 +92,58 @@ def vocabulary_of(data: Path, game: Game, progress: Progress | None = None) -> V
         game: The game, as its behaviour sets it.
         progress: See `make_vocabulary`.
     """
-    name = f"{vocabulary_key(game)}.npz"
-    shipped, path = SHIPPED / name, data / FOLDER / name
-    if shipped.exists():
-        return Vocabulary.load(shipped)
-    if path.exists():
-        try:
-            return Vocabulary.load(path)
-        except Invalid:
-            # Damaged, or of another version: it is made anew.
-            pass
-    words = make_vocabulary(game, progress)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_suffix(".part")
-    words.save(part)
-    write_whole(path, part.read_bytes())
-    part.unlink()
+    path = vocabulary_path(data, game)
+    if (kept := _kept(path)) is not None:
+        return kept
+    with _made_alone(path.parent, progress):
+        # Another process may have made it meanwhile.
+        if (kept := _kept(path)) is not None:
+            return kept
+        words = make_vocabulary(game, progress)
+        part = path.with_suffix(".part")
+        words.save(part)
+        write_whole(path, part.read_bytes())
+        part.unlink()
     return words
+
+
+def vocabulary_path(data: Path, game: Game) -> Path:
+    """Return the file of a game's vocabulary: the one that ships with Tril, or where it is kept."""
+    name = f"{vocabulary_key(game)}.npz"
+    shipped = SHIPPED / name
+    return shipped if shipped.exists() else data / FOLDER / name
+
+
+def pictures_path(data: Path, game: Game) -> Path:
+    """Return the file in the data folder that has the pictures of a game's things."""
+    return data / FOLDER / f"{vocabulary_key(game)}.pictures.zip"
+
+
+def _kept(path: Path) -> Vocabulary | None:
+    """Return a vocabulary that was made before; None if it is damaged, or there is none."""
+    try:
+        return Vocabulary.load(path)
+    except Invalid:
+        return None
+
+
+@contextmanager
+def _made_alone(folder: Path, progress: Progress | None) -> Iterator[None]:
+    """Hold the folder's lock for the block: each vocabulary takes a core for a minute."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / "making.lock").open("a") as lock:
+        while True:
+            try:
+                # Not flock: its lock would pass on to processes that inherit the descriptor.
+                fcntl.lockf(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                break
+            except OSError as problem:
+                if problem.errno not in {errno.EAGAIN, errno.EACCES}:
+                    raise
+            if progress:
+                progress(0, 1)
+            time.sleep(LOCK_POLL_S)
+        yield
 
 
 def vocabulary_key(game: Game) -> str:

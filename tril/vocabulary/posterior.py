@@ -9,12 +9,14 @@ once, as batches of small Newton steps.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 import numpy.typing as npt
+
+from tril.errors import Invalid
 
 Array = npt.NDArray[np.float64]
 Tiers = Sequence[Sequence[int]]
@@ -30,6 +32,10 @@ MOST_NEWTON_STEPS = 12
 MOST_HALVINGS = 8
 TOLERANCE = 1e-4
 """Change of the weights below which a fit is done."""
+
+
+class NothingPossible(Invalid):
+    """No statement is allowed."""
 
 
 @dataclass(frozen=True)
@@ -170,14 +176,21 @@ def infer(
     groups: Sequence[npt.NDArray[np.int64]],
     log_prior: Array,
     choices: Choices,
+    allow: Callable[[Sequence[int]], bool] = lambda _: True,
+    paired: Sequence[int] = (),
 ) -> Posterior:
     """Infer what an order is about.
 
     Args:
         values: Standardised facts of each game, float64 (n_games, n_facts).
         groups: Columns of each group.
-        log_prior: Log of the prior probability of each group.
+        log_prior: Log of the prior probability of each group; minus infinity where there is none.
         choices: The order.
+        allow: Tells whether a statement about some groups is possible.
+        paired: Groups that are tried two at a time, however improbable they are alone.
+
+    Raises:
+        NothingPossible: No statement is allowed.
     """
     # Games that were chosen from nothing only cost time.
     used = np.flatnonzero(choices.among.any(0))
@@ -190,8 +203,8 @@ def infer(
     weights, log_evidence = _fit(values, groups, choices)
     fitted = [weights[index, : len(groups[index])] for index in range(len(groups))]
     singles = log_p + log_evidence
-    best = sorted(np.argsort(-singles)[:N_PAIRED].tolist())
-    pairs = list(combinations(best, 2))
+    best = sorted({*np.argsort(-singles)[:N_PAIRED].tolist(), *paired})
+    pairs = [pair for pair in combinations(best, 2) if allow(pair)]
     joint = [np.concatenate([groups[one], groups[other]]) for one, other in pairs]
     if pairs:
         weights, log_evidence = _fit(values, joint, choices)
@@ -201,7 +214,10 @@ def infer(
         log_joint = np.concatenate([singles, of_pairs])
     else:
         log_joint = singles
+    log_joint = np.where([allow(key) for key in keys], log_joint, -np.inf)
     log_total = float(np.logaddexp.reduce(log_joint))
+    if log_total == -np.inf:
+        raise NothingPossible("Nothing is left that the order could be about: undo an answer.")
     columns_of = [*groups, *joint]
     statements = tuple(
         Statement(
@@ -211,6 +227,7 @@ def infer(
             fitted[index],
         )
         for index in np.argsort(-log_joint)[:N_KEPT].tolist()
+        if log_joint[index] > -np.inf
     )
     return Posterior(statements, log_total - choices.log_chance)
 

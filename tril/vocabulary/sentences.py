@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from tril.games.base import Game
+from tril.vocabulary.answers import subject_of
 from tril.vocabulary.facts import Group, Vocabulary
 from tril.vocabulary.posterior import Posterior, Statement
 
@@ -45,15 +47,32 @@ class Telling:
         sentence: What it says, without a full stop.
         probability: Of all statements that say the same.
         groups: Indices of the groups of the most probable one of them.
+        subjects: What they are about, in order; see `subject_of`.
     """
 
     sentence: str
     probability: float
     groups: tuple[int, ...]
+    subjects: tuple[str, ...]
+
+    def kinds(self, words: Vocabulary) -> tuple[int, ...]:
+        """Return the kinds of things that it is about, of a relation the other thing's."""
+        found: list[int] = []
+        for index in self.groups:
+            group = words.groups[index]
+            if group.twin is not None:
+                found.append(group.twin.kind)
+            elif group.source == "thing":
+                found.append(group.subject[-1])
+        return tuple(dict.fromkeys(found))
 
 
 def tell(
-    words: Vocabulary, posterior: Posterior, game: Game, n_tellings: int = 5
+    words: Vocabulary,
+    posterior: Posterior,
+    game: Game,
+    meant: Collection[str] = (),
+    n_tellings: int = 5,
 ) -> tuple[Telling, ...]:
     """Return what an order is about, the most probable first.
 
@@ -64,34 +83,30 @@ def tell(
         words: The game's vocabulary.
         posterior: What was inferred from the order.
         game: The game.
+        meant: Subjects that are told however little they change, since a person means them.
         n_tellings: How many are returned at most.
     """
     told: dict[tuple[str, ...], Telling] = {}
     for statement in posterior.statements:
-        parts = _parts(words, statement, game)
-        subject = tuple(sorted(_subject(words.groups[index]) for index, _, _ in parts))
+        parts = _parts(words, statement, game, meant)
+        subject = tuple(sorted({subject_of(words, words.groups[index]) for index, _, _ in parts}))
         known = told.get(subject)
         if known is None:
             sentence = ", and ".join(text for _, text, _ in parts)
             groups = tuple(index for index, _, _ in parts)
-            told[subject] = Telling(sentence, statement.probability, groups)
+            told[subject] = Telling(sentence, statement.probability, groups, subject)
         else:
             told[subject] = replace(known, probability=known.probability + statement.probability)
     return tuple(sorted(told.values(), key=lambda one: -one.probability)[:n_tellings])
 
 
-def _subject(group: Group) -> str:
-    """Return what a group is about, the same for a thing and for a byte that follows it."""
-    if group.twin is not None:
-        return f"thing {(group.twin.kind,)} {group.twin.axis}"
-    return f"{group.source} {group.subject} {group.aspect}"
-
-
-def _parts(words: Vocabulary, statement: Statement, game: Game) -> list[tuple[int, str, float]]:
+def _parts(
+    words: Vocabulary, statement: Statement, game: Game, meant: Collection[str]
+) -> list[tuple[int, str, float]]:
     """Return a statement's groups, what each says and how much it differs between varied games.
 
-    The most important comes first; one that hardly matters beside it, or is about the same, is left
-    out.
+    The most important comes first; one that is about the same, or hardly matters beside it, is left
+    out, unless it is meant.
     """
     spread = words.spread(words.pool)
     parts: list[tuple[int, str, float]] = []
@@ -103,9 +118,14 @@ def _parts(words: Vocabulary, statement: Statement, game: Game) -> list[tuple[in
         deviation = float(((words.pool[:, columns] / spread[columns]) @ weights).std())
         parts.append((index, phrase(words, group, weights / spread[columns], game), deviation))
     parts.sort(key=lambda part: -part[2])
-    if len({_subject(words.groups[index]) for index, _, _ in parts}) == 1:
+    subjects = [subject_of(words, words.groups[index]) for index, _, _ in parts]
+    if len(set(subjects)) == 1:
         return parts[:1]
-    return [part for part in parts if part[2] >= LEAST_SHARE * parts[0][2]]
+    return [
+        part
+        for part, subject in zip(parts, subjects, strict=True)
+        if part[2] >= LEAST_SHARE * parts[0][2] or subject in meant
+    ]
 
 
 def phrase(words: Vocabulary, group: Group, weights: Array, game: Game) -> str:

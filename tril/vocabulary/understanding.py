@@ -9,10 +9,14 @@ import numpy as np
 import numpy.typing as npt
 
 from tril.errors import Invalid
+from tril.vocabulary.answers import Answer, Conditions
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.posterior import Choices, Posterior, Statement, Tiers, infer
 
 Array = npt.NDArray[np.float64]
+PASSING_LOG_ODDS = 0.0
+"""From which on an order is about something; see docs/decisions/26-statements.md."""
+
 Summaries = npt.NDArray[np.float32]
 """Facts of games, float32 (n_games, n_facts), as `Vocabulary.summary` returns them."""
 
@@ -31,11 +35,13 @@ class Understanding:
         words: The vocabulary.
         posterior: What was inferred.
         spread: What each fact was divided by, float64 (n_facts,).
+        meant: Subjects that a person said they mean.
     """
 
     words: Vocabulary
     posterior: Posterior
     spread: Array
+    meant: frozenset[str] = frozenset()
 
     @property
     def probabilities(self) -> Array:
@@ -66,7 +72,11 @@ class Understanding:
 
 
 def understand(
-    words: Vocabulary, summaries: Summaries, tiers: Tiers, best: Sequence[int] = ()
+    words: Vocabulary,
+    summaries: Summaries,
+    tiers: Tiers,
+    best: Sequence[int] = (),
+    answers: Sequence[Answer] = (),
 ) -> Understanding:
     """Infer what an order of games is about.
 
@@ -75,9 +85,11 @@ def understand(
         summaries: Facts of the games.
         tiers: Rows of the ranked games, the best tier first.
         best: Rows of the best efforts, ranked or not.
+        answers: What a person said of statements, the latest last.
 
     Raises:
         Invalid: There are fewer than two tiers.
+        NothingPossible: The answers exclude all statements.
     """
     if len(tiers) < 2:
         raise Invalid("Expected at least two tiers: rank one game above another.")
@@ -93,9 +105,17 @@ def understand(
     whitened = np.concatenate(
         [values[:, columns] @ root for columns, root in zip(words.columns, roots, strict=True)], 1
     )
-    found = infer(whitened, words.columns, words.log_prior, choices)
+    conditions = Conditions.of(words, answers)
+    found = infer(
+        whitened,
+        words.columns,
+        conditions.log_prior(words),
+        choices,
+        conditions.allow,
+        conditions.groups,
+    )
     statements = tuple(_coloured(one, roots) for one in found.statements)
-    return Understanding(words, replace(found, statements=statements), spread)
+    return Understanding(words, replace(found, statements=statements), spread, conditions.meant)
 
 
 def _coloured(statement: Statement, roots: Sequence[Array]) -> Statement:

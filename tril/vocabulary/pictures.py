@@ -1,0 +1,137 @@
+"""A picture of each kind of things: a part of the game's screen with one of them."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections import defaultdict
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from tril.files.artifact_store import write_whole
+from tril.games.base import Console, Game, Screen
+from tril.play.episode import Episode
+from tril.recording import Recording, replay
+from tril.vocabulary.blobs import Blobs
+from tril.vocabulary.facts import Vocabulary
+from tril.vocabulary.trace import colours_of, trace
+
+SIZE_PX = 32
+"""Width and height of a picture, in pixels of the game; twice as much for a larger thing."""
+MARGIN_PX = 4
+"""Least distance of a thing from the edge of a picture of this size."""
+DIMMED = 0.4
+"""Brightness of what is around the thing."""
+MOST_GAMES = 8
+"""Varied games in which the kinds are looked for."""
+
+
+def pictures_of(
+    words: Vocabulary, recordings: Sequence[Recording], console: Console
+) -> dict[int, bytes]:
+    """Return a PNG of each kind of things that some games show, keyed by the kind's index.
+
+    Args:
+        words: The game's vocabulary.
+        recordings: The games, looked at until every kind is found.
+        console: A console of the game.
+    """
+    found: dict[int, bytes] = {}
+    for recording in recordings:
+        missing = [index for index in range(len(words.kinds)) if index not in found]
+        if not missing:
+            break
+        played = trace(recording, console, words.background)
+        shown: dict[int, list[tuple[int, Blobs]]] = defaultdict(list)
+        for kind in missing:
+            members = played.blobs[words.kinds[kind].members(played.blobs)]
+            if len(members):
+                blob = _typical(members, words.background.shape)
+                shown[int(blob["step"])].append((kind, blob))
+        found |= _cut(recording, console, shown)
+    return found
+
+
+def write_pictures(path: Path, pictures: dict[int, bytes]) -> None:
+    """Write pictures as a zip of PNGs named by their kinds."""
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w") as archive:
+        for kind, picture in pictures.items():
+            archive.writestr(f"{kind}.png", picture)
+    write_whole(path, file.getvalue())
+
+
+def read_picture(path: Path, kind: int) -> bytes | None:
+    """Return the PNG of a kind that `write_pictures` wrote; None if there is none."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return archive.read(f"{kind}.png")
+    except (OSError, KeyError, zipfile.BadZipFile):
+        return None
+
+
+def _typical(members: Blobs, shape: tuple[int, ...]) -> Blobs:
+    """Return the blob of the most usual size that lies far enough from the screen's edges."""
+    edge_px = np.minimum.reduce(
+        [members["x"], members["y"], shape[1] - members["x"], shape[0] - members["y"]]
+    )
+    distance = np.abs(members["area"] - np.median(members["area"]))
+    typical: Blobs = members[np.lexsort((distance, edge_px < SIZE_PX / 2))[0]]
+    return typical
+
+
+def _cut(
+    recording: Recording, console: Console, shown: dict[int, list[tuple[int, Blobs]]]
+) -> dict[int, bytes]:
+    """Replay a recording and return the pictures of what it shows after some steps."""
+    game, per_step = recording.game, recording.game.clock.frames_per_step
+    found: dict[int, bytes] = {}
+    amount: dict[int, int] = {}
+
+    def look(episode: Episode) -> None:
+        left = -episode.frame % per_step
+        step = (episode.frame + left) // per_step - 1
+        # What flickers is on one of a step's last two frames.
+        if left > 1 or step not in shown:
+            return
+        screen = console.screen()
+        for kind, blob in shown[step]:
+            box = _box(blob)
+            n_pixels = int((colours_of(screen, game)[box] == blob["colour"]).sum())
+            if n_pixels > amount.get(kind, 0):
+                amount[kind] = n_pixels
+                found[kind] = _png(_rgb(screen, game), box)
+
+    replay(recording, console, look)
+    return found
+
+
+def _box(blob: Blobs) -> tuple[slice, slice]:
+    left = round(float(blob["x"] - (blob["width"] - 1) / 2))
+    top = round(float(blob["y"] - (blob["height"] - 1) / 2))
+    return slice(top, top + int(blob["height"])), slice(left, left + int(blob["width"]))
+
+
+def _rgb(screen: Screen, game: Game) -> Screen:
+    palette = game.screen.palette
+    rgb: Screen = screen if palette is None else palette[screen]
+    return rgb
+
+
+def _png(rgb: Screen, box: tuple[slice, slice]) -> bytes:
+    picture = (rgb * DIMMED).astype(np.uint8)
+    picture[box] = rgb[box]
+    longest = max(extent.stop - extent.start for extent in box)
+    size_px = SIZE_PX if longest + 2 * MARGIN_PX <= SIZE_PX else 2 * SIZE_PX
+    parts: list[slice] = []
+    for extent, length in zip(box, rgb.shape, strict=False):
+        size = min(length, size_px)
+        begin = (extent.start + extent.stop - size) // 2
+        begin = min(max(begin, 0), length - size)
+        parts.append(slice(begin, begin + size))
+    file = io.BytesIO()
+    Image.fromarray(picture[tuple(parts)]).save(file, "PNG", optimize=True)
+    return file.getvalue()
