@@ -17,6 +17,7 @@ from tril.games.base import Taken
 from tril.ranking import Pair
 from tril.recipes import RewardRecipe
 from tril.recording import Trajectory
+from tril.vocabulary.answers import Answer
 from tril.vocabulary.facts import Vocabulary
 
 Facts = npt.NDArray[np.float32]
@@ -68,12 +69,14 @@ class GameFacts:
         ranked: Facts of each ranked trajectory, float32 (T, n_facts).
         perfect: Facts of each perfect demonstration.
         varied: Games of varied play, from which a network learns to see the facts, too.
+        answers: What a person said of statements about the order, the latest last.
     """
 
     words: Vocabulary
     ranked: Sequence[Facts]
     perfect: Sequence[Facts]
     varied: Sequence[ObservedTrajectory]
+    answers: Sequence[Answer] = ()
 
 
 @dataclass(frozen=True)
@@ -87,6 +90,7 @@ class PreferenceDataset:
         perfect: Indices of the perfect demonstrations, ranked or not.
         vocabulary: The game's, for method "statement".
         varied: Games that nobody ranked, from which facts are learned to be seen.
+        answers: What a person said of statements about the order, the latest last.
     """
 
     trajectories: tuple[ObservedTrajectory, ...]
@@ -95,6 +99,7 @@ class PreferenceDataset:
     perfect: tuple[int, ...] = ()
     vocabulary: Vocabulary | None = None
     varied: tuple[ObservedTrajectory, ...] = ()
+    answers: tuple[Answer, ...] = ()
     _summaries: dict[int, Facts] = field(default_factory=dict, compare=False)
 
     @classmethod
@@ -133,6 +138,7 @@ class PreferenceDataset:
             tuple(indices),
             facts.words if facts else None,
             tuple(facts.varied) if facts else (),
+            tuple(facts.answers) if facts else (),
         )
 
     @property

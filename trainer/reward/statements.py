@@ -55,6 +55,7 @@ def understanding_of(dataset: PreferenceDataset, held_out: Collection[int] = ())
         np.stack([dataset.summary(index) for index in games]),
         [[row_of[index] for index in tier] for tier in kept.tiers],
         [row_of[index] for index in dict.fromkeys(kept.perfect)],
+        dataset.answers,
     )
 
 

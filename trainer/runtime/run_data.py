@@ -25,6 +25,7 @@ from tril.recording import Recording, RecordingRefused, Trajectory, trajectory
 from tril.store import recordings
 from tril.store.training import artifacts
 from tril.store.training.artifacts import ArtifactDamaged
+from tril.vocabulary.answers import Answer
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.making import varied_games, vocabulary_of
 from tril.vocabulary.trace import trace
@@ -117,6 +118,7 @@ class RunData:
             [self._facts[number] for number in self.snapshot.ranked],
             [self._facts[number] for number in self.snapshot.perfect],
             self._varied,
+            [Answer(frozenset(one.subjects), one.meant) for one in self.snapshot.answers],
         )
 
     def recordings(self, ids: Sequence[int]) -> dict[int, Recording]:

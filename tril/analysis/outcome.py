@@ -20,6 +20,20 @@ class Stored(BaseModel):
     model_config = ConfigDict(frozen=True, json_schema_serialization_defaults_required=True)
 
 
+class StatementAnswer(Stored):
+    """What a person said of a statement that Tril made about a ranking.
+
+    Attributes:
+        subjects: What the statement is about, in order, see tril.vocabulary.answers.
+        sentence: What they read.
+        meant: Whether it is what they mean; else it is not.
+    """
+
+    subjects: list[str]
+    sentence: str
+    meant: bool
+
+
 class RunSnapshot(Stored):
     """The ranking and the perfect demonstrations that a run learns from, frozen.
 
@@ -27,11 +41,13 @@ class RunSnapshot(Stored):
         ranking_revision: The behaviour's ranking; None where the tiers are an example's own.
         tiers: Ids of the ranked recordings, best tier first.
         perfect: Ids of the recordings that the clone learns from.
+        answers: What people said of statements about the ranking, the latest last.
     """
 
     ranking_revision: int | None = None
     tiers: list[list[int]]
     perfect: list[int]
+    answers: list[StatementAnswer] = []
 
     @property
     def ranked(self) -> list[int]:
@@ -107,6 +123,7 @@ class CheckVerdict(CheckFigures):
         wanted: Which aliens it infers to be wanted; None of rewards that are learned otherwise.
         statements: What the order is about in words, the most probable first; empty of rewards
             that are learned otherwise.
+        answers: What people had said of such statements, by which these were inferred.
     """
 
     passed: bool
@@ -114,6 +131,7 @@ class CheckVerdict(CheckFigures):
     warning: str = ""
     wanted: WantedAliens | None = None
     statements: list[ToldStatement] = []
+    answers: list[StatementAnswer] = []
 
 
 class ConfusedTiers(Stored):

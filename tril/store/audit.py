@@ -35,6 +35,7 @@ class Action(StrEnum):
     EXPORTED = "exported"
     BACKED_UP = "backed up"
     RANKED = "ranked"
+    ANSWERED = "answered a statement"
     RUN_QUEUED = "queued a run"
     RUN_CANCELLED = "cancelled a run"
 

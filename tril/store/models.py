@@ -371,6 +371,24 @@ class BorrowedGameRow(Base):
     added_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
 
 
+class StatementAnswerRow(Base):
+    """What a person said of a statement that Tril made about a ranking; rows are only ever added.
+
+    ``subjects`` is what the statement is about (see tril.vocabulary.answers), ``sentence`` what
+    they read, ``meant`` whether it is what they mean. None takes back what was said of it before.
+    """
+
+    __tablename__ = "statement_answers"
+
+    id: Mapped[int] = mapped_column(Integer, primary_key=True)
+    behaviour_id: Mapped[int] = mapped_column(ForeignKey("behaviours.id"), index=True)
+    player_id: Mapped[int | None] = mapped_column(ForeignKey("players.id"))
+    subjects: Mapped[list[str]] = mapped_column(JSON)
+    sentence: Mapped[str] = mapped_column(LineText(400))
+    meant: Mapped[bool | None] = mapped_column(Boolean)
+    created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
+
+
 class RunDevice(StrEnum):
     """Which workers may take a run. ANY: all. GPU: those that learn on a GPU."""
 

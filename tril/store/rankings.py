@@ -366,9 +366,13 @@ def borrowed_ids(behaviour_id: int) -> Select[int]:
     return select(BorrowedGameRow.recording_id).where(BorrowedGameRow.behaviour_id == behaviour_id)
 
 
+def without_unrankable(session: Session, behaviour_id: int, ranking: Ranking) -> Ranking:
+    """Return a ranking without what a behaviour's ranking may not hold."""
+    return ranking.without(set(ranking.items) - _rankable(session, behaviour_id, ranking.items))
+
+
 def _still_rankable(session: Session, row: RankingRow) -> Ranking:
-    ranking = as_ranking(row)
-    return ranking.without(set(ranking.items) - _rankable(session, row.behaviour_id, ranking.items))
+    return without_unrankable(session, row.behaviour_id, as_ranking(row))
 
 
 def refuse_unrankable(session: Session, behaviour_id: int, ranking: Ranking) -> None:

@@ -12,7 +12,7 @@ from tril.errors import Conflict, Invalid, NotFound
 from tril.games import game_of
 from tril.ranking import best_ranked
 from tril.recipes import MAX_DAGGER_STEPS, Recipe, recipe_from_dict, recipe_named
-from tril.store import audit, behaviours, rankings, recordings
+from tril.store import answers, audit, behaviours, rankings, recordings
 from tril.store.changes import note_change
 from tril.store.database import database_now
 from tril.store.models import RunDevice, RunRow, RunStatus
@@ -176,7 +176,7 @@ def _refuse_unfit_parent(
 
 
 def freeze_ranking(session: Session, behaviour_id: int) -> RunSnapshot:
-    """Freeze a behaviour's ranking and perfect demonstrations for a run.
+    """Freeze a behaviour's ranking, perfect demonstrations and answers for a run.
 
     Where none is marked as perfect, the best ranked recordings are what the clone copies.
 
@@ -193,4 +193,9 @@ def freeze_ranking(session: Session, behaviour_id: int) -> RunSnapshot:
     rankings.refuse_unrankable(session, behaviour_id, ranking)
     tiers = [list(tier) for tier in ranking.tiers]
     perfect = recordings.perfect_ids(session, behaviour_id) or best_ranked(tiers)
-    return RunSnapshot(ranking_revision=row.revision, tiers=tiers, perfect=perfect)
+    return RunSnapshot(
+        ranking_revision=row.revision,
+        tiers=tiers,
+        perfect=perfect,
+        answers=answers.current(session, behaviour_id),
+    )

@@ -14,7 +14,7 @@ from tril.demonstrators.varied import play_varied
 from tril.games import game_named
 from tril.games.settings import GameSettings
 from tril.recipes import PAPER, Recipe, recipe_named, with_values
-from tril.store import behaviours, rankings, recordings
+from tril.store import answers, behaviours, rankings, recordings
 from tril.store.models import RunStatus, Source
 from tril.store.training import evaluations
 from tril.teaching.new_run import create_run
@@ -71,6 +71,7 @@ def test_a_run_in_any_game_is_learned_and_evaluated(
             for number, played in enumerate(reversed(games))
         ]
         rankings.save(session, behaviour.id, 0, [[number] for number in ids])
+        answers.give(session, behaviour.id, ["time played"], "the game going on longer", True)
         run_id = create_run(session, behaviour.id, recipe, 64, 0, go_on_anyway=True).id
     pipeline = Pipeline(workplace.database, workplace.settings, "worker-0", threading.Event())
     assert pipeline.train(run_id, pipeline.run_stage) == RunStatus.DONE, workplace.run(
@@ -81,5 +82,9 @@ def test_a_run_in_any_game_is_learned_and_evaluated(
     assert evaluated
     check = workplace.run(run_id).outcome.check
     assert check is not None
-    assert bool(check.statements) == (recipe.reward.method == "statement")
+    is_statement = recipe.reward.method == "statement"
+    assert bool(check.statements) == is_statement
+    assert [one.meant for one in check.answers] == [True] * is_statement
+    # What was said to be meant is part of all that was understood.
+    assert all("the game going on" in one.sentence for one in check.statements)
     assert workplace.run(run_id).versions["game_version"] == game.version

@@ -61,7 +61,8 @@ def check_reward(data: RunData, progress: Progress) -> RunOutcome:
     if model.spread is not None:
         data.keep_reward_model(model)
     ranked = data.snapshot.ranked
-    inferred = context.recipe.reward.method == "posterior"
+    method = context.recipe.reward.method
+    inferred = method == "posterior"
     aliens_alone = inferred and context.recipe.method == "ppo"
     found = asdict(check) | {
         "predicted_returns": {ranked[i]: value for i, value in check.predicted_returns.items()},
@@ -69,7 +70,8 @@ def check_reward(data: RunData, progress: Progress) -> RunOutcome:
         "advice": advice(check, aliens_alone=aliens_alone),
         "warning": warning(check),
         "wanted": _wanted(data) if inferred else None,
-        "statements": _statements(data) if context.recipe.reward.method == "statement" else [],
+        "statements": _statements(data) if method == "statement" else [],
+        "answers": data.snapshot.answers if method == "statement" else [],
     }
     return RunOutcome(check=CheckOutcome.model_validate(found))
 
@@ -81,7 +83,9 @@ def _wanted(data: RunData) -> WantedAliens:
 
 def _statements(data: RunData) -> list[ToldStatement]:
     understanding = understanding_of(data.preference_dataset)
-    told = tell(understanding.words, understanding.posterior, data.context.game)
+    told = tell(
+        understanding.words, understanding.posterior, data.context.game, understanding.meant
+    )
     return [
         ToldStatement(sentence=one.sentence, probability=round(one.probability, 3)) for one in told
     ]

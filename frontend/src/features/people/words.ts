@@ -40,6 +40,7 @@ export function actionOf(entry: Pick<AuditEntry, "action" | "subject">): string 
     exported: t`exported ${subject}`,
     "backed up": t`made a backup`,
     ranked: t`ranked ${subject}`,
+    "answered a statement": t`answered a statement about the ranking of ${subject}`,
     "queued a run": t`started ${subject}`,
     "cancelled a run": t`cancelled ${subject}`,
   };
