@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import threading
+from pathlib import Path
 
 from server.clips import ClipKind, ClipMaker
 from server.play.replays import ReplayProcess, ReplayTask
@@ -31,7 +32,7 @@ def version_of(recording: Recording) -> str:
 
 
 class ReplayCache:
-    """Frames, thumbnails, memory, observations and clips of recordings; thread-safe.
+    """Frames, thumbnails, memory, observations, facts and clips of recordings; thread-safe.
 
     Args:
         cache: Where the files are kept.
@@ -56,6 +57,20 @@ class ReplayCache:
                 return self._replays.submit(task, recording).result()
 
         return self._cache.get(_name(recording, task), replay)
+
+    def facts(self, recording: Recording, vocabulary: Path) -> bytes:
+        """Return a recording's facts, float32 (n_facts,), replaying it unless they are cached.
+
+        Args:
+            recording: The recording.
+            vocabulary: File of its game's vocabulary, named by what it depends on.
+        """
+
+        def replay() -> bytes:
+            with self._lock:
+                return self._replays.facts(recording, vocabulary)
+
+        return self._cache.get(f"{version_of(recording)}.{vocabulary.stem}.facts", replay)
 
     def clip(self, recording: Recording, kind: ClipKind) -> bytes:
         """Return a recording as a GIF, WebP or MP4; raises what ClipMaker.make raises."""

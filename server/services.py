@@ -22,6 +22,8 @@ from server.play.rules import PlayRules
 from server.play.watch.hub import WatchHub
 from server.replay_cache import ReplayCache
 from server.storage import StorageMeter
+from server.understanding import OrderReader
+from server.vocabularies import VocabularyMaker
 from server.web.access import SEEN_EVERY_S, Access
 from tril.files.artifact_store import ArtifactStore
 from tril.files.cache import Cache
@@ -48,6 +50,8 @@ class Services:
         consoles: Pool of loaded consoles.
         replays: The process that replays recordings and plays at random.
         replay_cache: Frames, thumbnails, memory and clips of recordings.
+        vocabularies: Learns to see games.
+        order_reader: Infers what orders of games are about.
         archives: Makes runs into zip files.
         limits: Limits of open games.
         games: The games that are played in this process.
@@ -75,6 +79,8 @@ class Services:
     consoles: ConsolePool
     replays: ReplayProcess
     replay_cache: ReplayCache
+    vocabularies: VocabularyMaker
+    order_reader: OrderReader
     archives: ArchiveMaker
     limits: GameLimits
     games: PlayHub
@@ -128,6 +134,8 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
         if any(topic in TOPICS for topic, _ in changes):
             measurer.wake()
 
+    replay_cache = ReplayCache(cache, replays)
+    vocabularies = VocabularyMaker(settings.data)
     play = PlayHub(database, consoles, replays, name, rules, limits)
     services = Services(
         settings=settings,
@@ -138,7 +146,9 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
         inference=InferenceClient(inference),
         consoles=consoles,
         replays=replays,
-        replay_cache=ReplayCache(cache, replays),
+        replay_cache=replay_cache,
+        vocabularies=vocabularies,
+        order_reader=OrderReader(vocabularies, replay_cache),
         archives=ArchiveMaker(settings, cache),
         limits=limits,
         games=play,
@@ -162,6 +172,8 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
         await services.watching.stop()
         await services.games.stop()
         await measurer.stop()
+        await asyncio.to_thread(services.order_reader.stop)
+        await asyncio.to_thread(vocabularies.stop)
         await asyncio.to_thread(replays.stop)
         await asyncio.to_thread(consoles.stop)
         services.changes.stop()

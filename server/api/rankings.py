@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Annotated
+
 import numpy as np
-from fastapi import APIRouter, Request
+from fastapi import APIRouter, Path, Query, Request
 from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import JSONResponse, Response
@@ -11,6 +14,7 @@ from starlette.responses import JSONResponse, Response
 from server.api.schemas.library import Library
 from server.api.schemas.rankings import (
     BorrowedGames,
+    ContradictingGames,
     GameOpinion,
     Ranking,
     RankingConflict,
@@ -18,6 +22,10 @@ from server.api.schemas.rankings import (
     RankingRevision,
     RankingStep,
     RankingUpdate,
+    ShownOrder,
+    StatementAnswerUpdate,
+    Understanding,
+    UnderstoodStatement,
     VariedGamesWish,
 )
 from server.api.schemas.recordings import Recording
@@ -33,11 +41,16 @@ from server.dependencies import (
 )
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril.analysis.opinions import form_opinions
-from tril.analysis.outcome import WantedAliens
+from tril.analysis.outcome import StatementAnswer, WantedAliens
 from tril.analysis.wanted_aliens import Hits
-from tril.store import behaviours, borrowed, library, players, rankings, recordings
+from tril.games import game_of
+from tril.ranking import normalise
+from tril.recording import Recording as StoredRecording
+from tril.store import answers, behaviours, borrowed, library, players, rankings, recordings
 from tril.store.models import RankingRow
 from tril.teaching import varied_games
+from tril.vocabulary.answers import Answer
+from tril.vocabulary.making import vocabulary_key
 
 router = APIRouter(prefix="/behaviours/{behaviour_id}/ranking", tags=["ranking"])
 borrowed_router = APIRouter(prefix="/behaviours/{behaviour_id}/borrowed", tags=["ranking"])
@@ -128,6 +141,91 @@ def get_ranking_opinion(request: Request, behaviour_id: BehaviourId) -> RankingO
         revision=revision,
         games=[GameOpinion.of(one, recording_id=key) for key, one in opinions.of.items()],
         wanted=WantedAliens.of(opinions.labels.tolist(), opinions.in_order.tolist()),
+    )
+
+
+@slow_router.post("/ranking/understanding", responses=NOT_FOUND)
+def understand_ranking(
+    request: Request, behaviour_id: BehaviourId, shown: ShownOrder
+) -> Understanding:
+    """Return what an order is about in the terms of the game's things, saved or not.
+
+    Asked first, Tril learns to see the game, and watches the games.
+    """
+    services = services_of(request)
+    with services.database.reading() as session:
+        behaviour = behaviours.get(session, behaviour_id)
+        game = game_of(behaviours.as_behaviour(behaviour))
+        order = rankings.without_unrankable(session, behaviour_id, normalise(shown.tiers))
+        best = recordings.perfect_ids(session, behaviour_id)
+        said = answers.current(session, behaviour_id)
+
+    def recordings_of(ids: Sequence[int]) -> dict[int, StoredRecording]:
+        with services.database.reading() as session:
+            rows = recordings.by_ids(session, ids)
+            return {key: recordings.as_recording(row).as_seen_in(game) for key, row in rows.items()}
+
+    told = services.order_reader.read(
+        game,
+        order.tiers,
+        best,
+        [Answer(frozenset(one.subjects), one.meant) for one in said],
+        recordings_of,
+    )
+    picture = f"/api/behaviours/{behaviour_id}/ranking/things/{{}}.png?v={vocabulary_key(game)}"
+    return Understanding(
+        state=told.state,
+        progress=round(told.progress, 3),
+        statements=[
+            UnderstoodStatement(
+                subjects=list(one.subjects),
+                sentence=one.sentence,
+                probability=round(one.probability, 3),
+                pictures=[picture.format(kind) for kind in one.kinds],
+            )
+            for one in told.statements
+        ],
+        is_sense=told.is_sense,
+        values={key: round(value, 3) for key, value in told.values.items()},
+        contradiction=told.contradiction and ContradictingGames.of(told.contradiction),
+        answers=said,
+    )
+
+
+@router.put("/answers", responses=NOT_FOUND)
+def answer_statement(
+    session: WriteSession, who: Who, behaviour_id: BehaviourId, answer: StatementAnswerUpdate
+) -> list[StatementAnswer]:
+    """Answer a statement, or take an answer back; return the answers that count."""
+    behaviours.get(session, behaviour_id)
+    answers.give(
+        session, behaviour_id, answer.subjects, answer.sentence, answer.meant, who.player_id
+    )
+    return answers.current(session, behaviour_id)
+
+
+@slow_router.get(
+    "/ranking/things/{kind}.png",
+    response_class=Response,
+    responses=NOT_FOUND | {200: {"content": {"image/png": {}}}},
+)
+def get_thing_picture(
+    request: Request,
+    behaviour_id: BehaviourId,
+    kind: Annotated[int, Path(ge=0, le=255)],
+    v: Annotated[
+        str | None, Query(max_length=40, description="Makes the answer cacheable.")
+    ] = None,
+) -> Response:
+    """Return a picture of a thing that statements are about, by its kind."""
+    services = services_of(request)
+    with services.database.reading() as session:
+        game = game_of(behaviours.as_behaviour(behaviours.get(session, behaviour_id)))
+    kept = "private, max-age=31536000, immutable"
+    return Response(
+        services.vocabularies.picture(game, kind),
+        media_type="image/png",
+        headers={"Cache-Control": kept if v == vocabulary_key(game) else "private, no-cache"},
     )
 
 

@@ -257,6 +257,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/behaviours/{behaviour_id}/ranking/answers": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Answer Statement
+         * @description Answer a statement, or take an answer back; return the answers that count.
+         */
+        put: operations["answer_statement"];
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/behaviours/{behaviour_id}/ranking/games": {
         parameters: {
             query?: never;
@@ -331,6 +351,48 @@ export interface paths {
         get: operations["list_ranking_revisions"];
         put?: never;
         post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/behaviours/{behaviour_id}/ranking/things/{kind}.png": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Thing Picture
+         * @description Return a picture of a thing that statements are about, by its kind.
+         */
+        get: operations["get_thing_picture"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/behaviours/{behaviour_id}/ranking/understanding": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Understand Ranking
+         * @description Return what an order is about in the terms of the game's things, saved or not.
+         *
+         *     Asked first, Tril learns to see the game, and watches the games.
+         */
+        post: operations["understand_ranking"];
         delete?: never;
         options?: never;
         head?: never;
@@ -1376,7 +1438,7 @@ export interface components {
          * @description What is logged.
          * @enum {string}
          */
-        Action: "signed in" | "signed out" | "signed everybody out" | "made an invitation" | "used an invitation" | "revoked an invitation" | "made a key" | "revoked a key" | "changed a role" | "let a worker in" | "deleted" | "restored" | "renamed" | "changed" | "marked as perfect" | "unmarked as perfect" | "wrote notes" | "imported" | "exported" | "backed up" | "ranked" | "queued a run" | "cancelled a run";
+        Action: "signed in" | "signed out" | "signed everybody out" | "made an invitation" | "used an invitation" | "revoked an invitation" | "made a key" | "revoked a key" | "changed a role" | "let a worker in" | "deleted" | "restored" | "renamed" | "changed" | "marked as perfect" | "unmarked as perfect" | "wrote notes" | "imported" | "exported" | "backed up" | "ranked" | "answered a statement" | "queued a run" | "cancelled a run";
         /**
          * Artifact
          * @description A file of a training.
@@ -1671,6 +1733,16 @@ export interface components {
             worse: number[];
             /** Worse Tier */
             worse_tier: number;
+        };
+        /**
+         * ContradictingGames
+         * @description Two games of which the worse one has more of what was understood.
+         */
+        ContradictingGames: {
+            /** Better */
+            better: number;
+            /** Worse */
+            worse: number;
         };
         /**
          * EvaluationGame
@@ -2479,6 +2551,11 @@ export interface components {
         RankingCheck: {
             /** Advice */
             advice: string;
+            /**
+             * Answers
+             * @default []
+             */
+            answers: components["schemas"]["StatementAnswer"][];
             /** Confused */
             confused: components["schemas"]["ConfusedTiers"][];
             /** Held Out Accuracy */
@@ -3099,6 +3176,14 @@ export interface components {
             probe_path: string;
         };
         /**
+         * ShownOrder
+         * @description An order that is shown, saved or not.
+         */
+        ShownOrder: {
+            /** Tiers */
+            tiers: number[][];
+        };
+        /**
          * Source
          * @description Who played a recording.
          *
@@ -3112,6 +3197,44 @@ export interface components {
          * @enum {string}
          */
         Stage: "demonstrations" | "trajectories" | "reward" | "check" | "clone" | "imitator" | "evaluation" | "attention";
+        /**
+         * State
+         * @description How far Tril is with an order.
+         *
+         *     LEARNING: it learns to see the game. FAILED: it could not learn to. WAITING: too few games are
+         *     ranked. WATCHING: it watches the ranked games. READY: it says what it understood.
+         * @enum {string}
+         */
+        State: "learning" | "failed" | "waiting" | "watching" | "ready";
+        /**
+         * StatementAnswer
+         * @description What a person said of a statement that Tril made about a ranking.
+         *
+         *     Attributes:
+         *         subjects: What the statement is about, in order, see tril.vocabulary.answers.
+         *         sentence: What they read.
+         *         meant: Whether it is what they mean; else it is not.
+         */
+        StatementAnswer: {
+            /** Meant */
+            meant: boolean;
+            /** Sentence */
+            sentence: string;
+            /** Subjects */
+            subjects: string[];
+        };
+        /**
+         * StatementAnswerUpdate
+         * @description An answer to a statement; ``meant`` null takes back what was said of it before.
+         */
+        StatementAnswerUpdate: {
+            /** Meant */
+            meant: boolean | null;
+            /** Sentence */
+            sentence: string;
+            /** Subjects */
+            subjects: string[];
+        };
         /**
          * Storage
          * @description Disk usage of the data folder by purpose; the cache is kept below its limit.
@@ -3270,6 +3393,46 @@ export interface components {
             games: components["schemas"]["Recording"][];
             /** Steps */
             steps: number;
+        };
+        /**
+         * Understanding
+         * @description What Tril understands of an order.
+         *
+         *     ``progress`` is the share of what is done while it is learning to see the game or watching the
+         *     ranked ones. ``is_sense`` is false of an order that chance explains better. ``values`` are those
+         *     of the games by recording id, in log odds.
+         */
+        Understanding: {
+            /** Answers */
+            answers: components["schemas"]["StatementAnswer"][];
+            contradiction: components["schemas"]["ContradictingGames"] | null;
+            /** Is Sense */
+            is_sense: boolean | null;
+            /** Progress */
+            progress: number;
+            state: components["schemas"]["State"];
+            /** Statements */
+            statements: components["schemas"]["UnderstoodStatement"][];
+            /** Values */
+            values: {
+                [key: string]: number;
+            };
+        };
+        /**
+         * UnderstoodStatement
+         * @description A statement that fits an order, e.g. "what you steer further to the left".
+         *
+         *     ``subjects`` names what it is about; ``pictures`` are those of the things, where there are any.
+         */
+        UnderstoodStatement: {
+            /** Pictures */
+            pictures: string[];
+            /** Probability */
+            probability: number;
+            /** Sentence */
+            sentence: string;
+            /** Subjects */
+            subjects: string[];
         };
         /**
          * Unit
@@ -4756,6 +4919,95 @@ export interface operations {
             };
         };
     };
+    answer_statement: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                behaviour_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["StatementAnswerUpdate"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StatementAnswer"][];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     add_games: {
         parameters: {
             query?: never;
@@ -5055,6 +5307,184 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["RankingRevision"][];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_thing_picture: {
+        parameters: {
+            query?: {
+                /** @description Makes the answer cacheable. */
+                v?: string | null;
+            };
+            header?: never;
+            path: {
+                behaviour_id: number;
+                kind: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/png": unknown;
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    understand_ranking: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                behaviour_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ShownOrder"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Understanding"];
                 };
             };
             /** @description The request can't be read. */

@@ -5,10 +5,12 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Annotated, Literal
 
-from pydantic import FailFast, Field
+from pydantic import FailFast, Field, StrictBool
 
 from server.api.schemas.base import Id, Schema
-from tril.analysis.outcome import WantedAliens
+from server.understanding import State
+from tril.analysis.outcome import StatementAnswer, WantedAliens
+from tril.text import Line
 
 # Otherwise each wrong id is an error, which takes the event loop 40 microseconds.
 Tiers = Annotated[
@@ -94,6 +96,62 @@ class RankingOpinion(Schema):
     revision: int
     games: list[GameOpinion]
     wanted: WantedAliens | None
+
+
+Subjects = Annotated[
+    list[Annotated[str, Field(pattern=r"^(thing|memory|button|time) [a-z0-9:~ -]{1,90}$")]],
+    Field(min_length=1, max_length=2),
+]
+
+
+class ShownOrder(Schema):
+    """An order that is shown, saved or not."""
+
+    tiers: Tiers
+
+
+class UnderstoodStatement(Schema):
+    """A statement that fits an order, e.g. "what you steer further to the left".
+
+    ``subjects`` names what it is about; ``pictures`` are those of the things, where there are any.
+    """
+
+    subjects: list[str]
+    sentence: str
+    probability: float
+    pictures: list[str]
+
+
+class StatementAnswerUpdate(Schema):
+    """An answer to a statement; ``meant`` null takes back what was said of it before."""
+
+    subjects: Subjects
+    sentence: Line = Field(max_length=400)
+    meant: StrictBool | None
+
+
+class ContradictingGames(Schema):
+    """Two games of which the worse one has more of what was understood."""
+
+    better: int
+    worse: int
+
+
+class Understanding(Schema):
+    """What Tril understands of an order.
+
+    ``progress`` is the share of what is done while it is learning to see the game or watching the
+    ranked ones. ``is_sense`` is false of an order that chance explains better. ``values`` are those
+    of the games by recording id, in log odds.
+    """
+
+    state: State
+    progress: float
+    statements: list[UnderstoodStatement]
+    is_sense: bool | None
+    values: dict[int, float]
+    contradiction: ContradictingGames | None
+    answers: list[StatementAnswer]
 
 
 class RankingRevision(Schema):

@@ -10,15 +10,19 @@ import sys
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
+from pathlib import Path
 
 from server.play.replays.request import (
     Answer,
     AnyRequest,
     Content,
+    FactsRequest,
     LoadRequest,
     MeasureRequest,
     ReplayTask,
     Request,
+    UnderstandRequest,
+    Understood,
     VariedPlayRequest,
 )
 from tril.errors import Unavailable
@@ -103,6 +107,27 @@ class ReplayProcess:
         request = MeasureRequest(recording, tuple(measures))
         return self._thread.submit(self._measure, request).result()
 
+    def facts(self, recording: Recording, vocabulary: Path) -> bytes:
+        """Return a recording's facts in a replay, float32 (n_facts,), in turn with others.
+
+        Args:
+            recording: The recording.
+            vocabulary: File of its game's vocabulary.
+
+        Raises:
+            RecordingRefused: The recording goes on after its game's end.
+            Unavailable: It could not be replayed.
+        """
+        return self._thread.submit(self._facts, FactsRequest(recording, vocabulary)).result()
+
+    def understand(self, request: UnderstandRequest) -> Understood:
+        """Infer what an order is about, which takes a fifth of a second.
+
+        Raises:
+            Unavailable: It could not be inferred.
+        """
+        return self._thread.submit(self._understand, request).result()
+
     def stop(self) -> None:
         """Stop the process after the requests that were submitted."""
         self._thread.shutdown()
@@ -126,6 +151,16 @@ class ReplayProcess:
     def _measure(self, request: MeasureRequest) -> Values:
         content = self._content(request)
         assert isinstance(content, Mapping)
+        return content
+
+    def _facts(self, request: FactsRequest) -> bytes:
+        content = self._content(request)
+        assert isinstance(content, bytes)
+        return content
+
+    def _understand(self, request: UnderstandRequest) -> Understood:
+        content = self._content(request)
+        assert isinstance(content, Understood)
         return content
 
     def _content(self, request: AnyRequest) -> Content:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 
@@ -17,11 +19,17 @@ from server.play.replays.products import (
 from tril.demonstrators.varied import play_varied
 from tril.exchange.formats.recording_file import ImportedRecording, load_recording
 from tril.games import game_named
-from tril.games.base import Cell, Console
+from tril.games.base import Cell, Console, Game
 from tril.games.measures import Measure
 from tril.games.measuring import Values
 from tril.play.consoles import Consoles
 from tril.recording import Recording, Verified, verify
+from tril.vocabulary.answers import Answer as StatementAnswer
+from tril.vocabulary.facts import Vocabulary
+from tril.vocabulary.posterior import NothingPossible, Tiers
+from tril.vocabulary.sentences import tell
+from tril.vocabulary.trace import trace
+from tril.vocabulary.understanding import Summaries, understand
 
 
 class ReplayTask(StrEnum):
@@ -86,8 +94,76 @@ class MeasureRequest:
     measures: tuple[Measure, ...]
 
 
-AnyRequest = Request | VariedPlayRequest | LoadRequest | MeasureRequest
-Content = bytes | Verified | ImportedRecording | Values
+@dataclass(frozen=True)
+class FactsRequest:
+    """A request for the facts of a recording, as `Vocabulary.summary` returns them.
+
+    Attributes:
+        recording: The recording.
+        vocabulary: File of its game's vocabulary.
+    """
+
+    recording: Recording
+    vocabulary: Path
+
+
+@dataclass(frozen=True)
+class UnderstandRequest:
+    """A request to infer what an order is about.
+
+    Attributes:
+        game: The game.
+        vocabulary: File of its vocabulary.
+        summaries: Facts of the games, float32 (n_games, n_facts).
+        tiers: Rows of the ranked games, the best tier first.
+        best: Rows of the best efforts.
+        answers: What a person said of statements, the latest last.
+    """
+
+    game: Game
+    vocabulary: Path
+    summaries: Summaries
+    tiers: Tiers
+    best: tuple[int, ...]
+    answers: tuple[StatementAnswer, ...]
+
+
+@dataclass(frozen=True)
+class Told:
+    """A statement as a person reads it, see `tril.vocabulary.sentences.Telling`.
+
+    Attributes:
+        sentence: What it says.
+        probability: Of it.
+        subjects: What it is about.
+        kinds: Kinds of things that it is about.
+    """
+
+    sentence: str
+    probability: float
+    subjects: tuple[str, ...]
+    kinds: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Understood:
+    """What an order is about.
+
+    Attributes:
+        statements: The most probable first; none if the answers exclude all.
+        log_odds: Of the order being about some statement, rather than drawn blindly.
+        values: Of each game, in log odds.
+    """
+
+    statements: tuple[Told, ...]
+    log_odds: float
+    values: tuple[float, ...]
+
+
+AnyRequest = (
+    Request | VariedPlayRequest | LoadRequest | MeasureRequest | FactsRequest | UnderstandRequest
+)
+Content = bytes | Verified | ImportedRecording | Values | Understood
 
 
 @dataclass(frozen=True)
@@ -96,7 +172,7 @@ class Answer:
 
     Attributes:
         content: The product, empty for a check; or the game that was played, or loaded; or values
-            of measures.
+            of measures; or what an order is about.
         refusal: Why the recording does not replay; None if it does.
         unknown_game: That its game is not installed; None if it is.
         failure: A traceback, if something else went wrong.
@@ -124,6 +200,8 @@ def execute(request: AnyRequest, consoles: Consoles) -> Content:
     Raises:
         RecordingRefused: The replay differs from what was recorded.
     """
+    if isinstance(request, UnderstandRequest):
+        return _understand(request)
     if isinstance(request, VariedPlayRequest):
         return play_varied(
             np.random.default_rng(request.seed), consoles.of(game_named(request.game))
@@ -134,7 +212,35 @@ def execute(request: AnyRequest, consoles: Consoles) -> Content:
     if isinstance(request, MeasureRequest):
         verified = verify(request.recording, console=console, measures=request.measures)
         return verified.replay.measured
+    if isinstance(request, FactsRequest):
+        words = _vocabulary(request.vocabulary)
+        return words.summary(
+            words.facts(trace(request.recording, console, words.background))
+        ).tobytes()
     if request.task is ReplayTask.CHECK:
         verify(request.recording, request.taken, console)
         return b""
     return _PRODUCTS[request.task](request.recording, console)
+
+
+@lru_cache(maxsize=4)
+def _vocabulary(path: Path) -> Vocabulary:
+    return Vocabulary.load(path)
+
+
+def _understand(request: UnderstandRequest) -> Understood:
+    words = _vocabulary(request.vocabulary)
+    try:
+        understanding = understand(
+            words, request.summaries, request.tiers, request.best, request.answers
+        )
+    except NothingPossible:
+        return Understood((), 0.0, (0.0,) * len(request.summaries))
+    return Understood(
+        tuple(
+            Told(one.sentence, one.probability, one.subjects, one.kinds(words))
+            for one in tell(words, understanding.posterior, request.game, understanding.meant)
+        ),
+        understanding.posterior.log_odds,
+        tuple(understanding.value(request.summaries).tolist()),
+    )

@@ -1,0 +1,241 @@
+"""What Tril understands of an order of games, while a person makes it."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from enum import StrEnum
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from server.play.replays import ReplayProcess
+from server.play.replays.request import Told, UnderstandRequest
+from server.replay_cache import ReplayCache
+from server.vocabularies import VocabularyMaker
+from tril.errors import Invalid, Unavailable
+from tril.games.base import Game
+from tril.recording import Recording
+from tril.vocabulary.answers import Answer
+from tril.vocabulary.understanding import PASSING_LOG_ODDS
+
+_LOG = logging.getLogger(__name__)
+
+LEAST_GAMES = 4
+"""Ranked games from which on there is something to say."""
+LEAST_CONTRADICTION = 1.0
+"""Log odds by which a game has to be worth more than one above it, to be named."""
+MOST_KEPT = 4_000
+"""Games whose facts are kept in memory, of a few kilobytes each."""
+
+Facts = npt.NDArray[np.float32]
+Order = Sequence[Sequence[int]]
+"""Ids of recordings in tiers, the best first."""
+
+
+class State(StrEnum):
+    """How far Tril is with an order.
+
+    LEARNING: it learns to see the game. FAILED: it could not learn to. WAITING: too few games are
+    ranked. WATCHING: it watches the ranked games. READY: it says what it understood.
+    """
+
+    LEARNING = "learning"
+    FAILED = "failed"
+    WAITING = "waiting"
+    WATCHING = "watching"
+    READY = "ready"
+
+
+@dataclass(frozen=True)
+class Contradiction:
+    """Two games that contradict what was understood of the order.
+
+    Attributes:
+        better: The game that is ranked better and worth less.
+        worse: The game that is ranked worse and worth more.
+    """
+
+    better: int
+    worse: int
+
+
+@dataclass(frozen=True)
+class OrderUnderstood:
+    """What Tril understands of an order.
+
+    Attributes:
+        state: How far it is.
+        progress: Share of what is done, 0 to 1; while it learns or watches.
+        statements: The most probable first.
+        is_sense: Whether the order is about something rather than drawn by chance; None before it
+            is understood.
+        values: Of each game that was watched, in log odds, keyed by the recording's id.
+        contradiction: The games that contradict most, if any do.
+    """
+
+    state: State
+    progress: float = 1.0
+    statements: tuple[Told, ...] = ()
+    is_sense: bool | None = None
+    values: Mapping[int, float] = field(default_factory=dict)
+    contradiction: Contradiction | None = None
+
+
+class OrderReader:
+    """Infers what orders are about; thread-safe.
+
+    Facts of recordings are made in the background by the process that replays. What an order is
+    about is inferred by a process of its own, so that nobody who drags a game waits for a replay
+    and games being played wait for nothing.
+
+    Args:
+        vocabularies: Makes vocabularies.
+        cache: Makes and keeps the facts of recordings.
+    """
+
+    def __init__(self, vocabularies: VocabularyMaker, cache: ReplayCache) -> None:
+        self._vocabularies = vocabularies
+        self._cache = cache
+        self._process = ReplayProcess()
+        self._lock = threading.Lock()
+        self._facts: OrderedDict[tuple[str, int], Facts] = OrderedDict()
+        self._refused: set[tuple[str, int]] = set()
+        self._watched: set[tuple[str, int]] = set()
+        self._stopping = threading.Event()
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix="facts")
+
+    def read(
+        self,
+        game: Game,
+        tiers: Order,
+        best: Sequence[int],
+        answers: Sequence[Answer],
+        recordings_of: Callable[[Sequence[int]], Mapping[int, Recording]],
+    ) -> OrderUnderstood:
+        """Return what is understood of an order.
+
+        Args:
+            game: The game, as its behaviour sets it.
+            tiers: The order.
+            best: Ids of the best efforts, ranked or not.
+            answers: What a person said of statements, the latest last.
+            recordings_of: Returns recordings by id; those that do not exist are left out.
+
+        Raises:
+            Unavailable: It could not be inferred.
+        """
+        making = self._vocabularies.vocabulary(game)
+        if making.failed:
+            return OrderUnderstood(State.FAILED)
+        if making.path is None:
+            return OrderUnderstood(State.LEARNING, making.progress)
+        ranked = [key for tier in tiers for key in tier]
+        wanted = list(dict.fromkeys([*ranked, *best]))
+        facts, n_waiting = self._facts_of(making.path, wanted, recordings_of)
+        order = [[key for key in tier if key in facts] for tier in tiers]
+        order = [tier for tier in order if tier]
+        if n_waiting:
+            return OrderUnderstood(State.WATCHING, 1 - n_waiting / len(wanted))
+        if len(order) < 2 or sum(map(len, order)) < LEAST_GAMES:
+            return OrderUnderstood(State.WAITING)
+        keys = list(facts)
+        row = {key: index for index, key in enumerate(keys)}
+        understood = self._process.understand(
+            UnderstandRequest(
+                game,
+                making.path,
+                np.stack([facts[key] for key in keys]),
+                [[row[key] for key in tier] for tier in order],
+                tuple(row[key] for key in best if key in row),
+                tuple(answers),
+            )
+        )
+        values = dict(zip(keys, understood.values, strict=True))
+        return OrderUnderstood(
+            State.READY,
+            statements=understood.statements,
+            is_sense=understood.log_odds >= PASSING_LOG_ODDS,
+            values=values,
+            contradiction=strongest_contradiction(order, values),
+        )
+
+    def stop(self) -> None:
+        """Stop after the recording that is watched."""
+        self._stopping.set()
+        self._thread.shutdown(cancel_futures=True)
+        self._process.stop()
+
+    def _facts_of(
+        self,
+        vocabulary: Path,
+        ids: Sequence[int],
+        recordings_of: Callable[[Sequence[int]], Mapping[int, Recording]],
+    ) -> tuple[dict[int, Facts], int]:
+        """Return the facts of recordings that were watched, and how many are still to be."""
+        name = vocabulary.stem
+        with self._lock:
+            facts = {key: self._facts[name, key] for key in ids if (name, key) in self._facts}
+            for key in facts:
+                self._facts.move_to_end((name, key))
+            missing = [key for key in ids if key not in facts and (name, key) not in self._refused]
+            new = [key for key in missing if (name, key) not in self._watched]
+            self._watched.update((name, key) for key in new)
+        try:
+            found = recordings_of(new) if new else {}
+        except BaseException:
+            with self._lock:
+                self._watched.difference_update((name, key) for key in new)
+            raise
+        for key in new:
+            self._thread.submit(self._watch, vocabulary, key, found.get(key))
+        return facts, len(missing)
+
+    def _watch(self, vocabulary: Path, key: int, recording: Recording | None) -> None:
+        entry = vocabulary.stem, key
+        facts: Facts | None = None
+        try:
+            if recording is None:
+                raise Invalid("there is no such recording")
+            if not self._stopping.is_set():
+                facts = np.frombuffer(self._cache.facts(recording, vocabulary), np.float32)
+        except Invalid as refusal:
+            _LOG.warning("Recording %d is left out of what Tril understands: %s", key, refusal)
+            with self._lock:
+                self._refused.add(entry)
+        except Unavailable as failure:
+            # Tried again when it is next asked for.
+            _LOG.warning("Recording %d is not watched yet: %s", key, failure)
+        with self._lock:
+            self._watched.discard(entry)
+            if facts is not None:
+                self._facts[entry] = facts
+                while len(self._facts) > MOST_KEPT:
+                    self._facts.popitem(last=False)
+
+
+def strongest_contradiction(order: Order, values: Mapping[int, float]) -> Contradiction | None:
+    """Return the two games whose values contradict their order most; None if none do clearly.
+
+    Args:
+        order: Ids of games in tiers, the best first.
+        values: Their values in log odds.
+    """
+    most, found = LEAST_CONTRADICTION, None
+    least: int | None = None
+    # Of the games above, the one of least value contradicts most.
+    for tier in order:
+        if least is not None:
+            highest = max(tier, key=lambda key: values[key])
+            if values[highest] - values[least] >= most:
+                most = values[highest] - values[least]
+                found = Contradiction(least, highest)
+        lowest = min(tier, key=lambda key: values[key])
+        if least is None or values[lowest] < values[least]:
+            least = lowest
+    return found

@@ -1,0 +1,134 @@
+"""Runs the process that makes vocabularies, one at a time, in the background."""
+
+from __future__ import annotations
+
+import logging
+import os
+import pickle
+import subprocess
+import sys
+import tempfile
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from server.turns import ONE_THREAD
+from tril.errors import Invalid, NotFound
+from tril.games.base import Game
+from tril.vocabulary.facts import Vocabulary
+from tril.vocabulary.making import pictures_path, vocabulary_key, vocabulary_path
+from tril.vocabulary.pictures import read_picture
+
+_LOG = logging.getLogger(__name__)
+
+_COMMAND = (sys.executable, "-m", "server.vocabularies")
+_LOG_TAIL_BYTES = 4_000
+
+
+@dataclass(frozen=True)
+class Making:
+    """How far the making of a vocabulary is.
+
+    Attributes:
+        path: Its file, once it is there.
+        progress: Share of what is done, 0 to 1.
+        failed: Whether it could not be made; the server's log says why.
+    """
+
+    path: Path | None = None
+    progress: float = 0.0
+    failed: bool = False
+
+
+class VocabularyMaker:
+    """Makes vocabularies in a child process that ends with this one; thread-safe.
+
+    One that failed is not tried again before the server's next start.
+
+    Args:
+        data: The data folder.
+    """
+
+    def __init__(self, data: Path) -> None:
+        self._data = data
+        self._lock = threading.Lock()
+        self._makings: dict[str, Making] = {}
+        self._process: subprocess.Popen[bytes] | None = None
+        self._stopping = False
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix="vocabularies")
+
+    def vocabulary(self, game: Game) -> Making:
+        """Return how far a game's vocabulary is, and have it made unless it is there."""
+        key = vocabulary_key(game)
+        with self._lock:
+            making = self._makings.get(key)
+            if making is None:
+                making = self._look(game)
+                self._makings[key] = making
+                if making.path is None:
+                    self._thread.submit(self._make, key, game)
+        return making
+
+    def picture(self, game: Game, kind: int) -> bytes:
+        """Return the PNG of a kind of things, by its index in the game's vocabulary.
+
+        Raises:
+            NotFound: There is none (yet).
+        """
+        picture = read_picture(pictures_path(self._data, game), kind)
+        if picture is None:
+            raise NotFound("There is no picture of this thing.")
+        return picture
+
+    def stop(self) -> None:
+        """End the process and give up what waits."""
+        with self._lock:
+            self._stopping = True
+            if self._process is not None:
+                self._process.kill()
+        self._thread.shutdown(cancel_futures=True)
+
+    def _look(self, game: Game) -> Making:
+        path = vocabulary_path(self._data, game)
+        if not pictures_path(self._data, game).exists():
+            return Making()
+        try:
+            Vocabulary.load(path)
+        except Invalid:
+            return Making()
+        return Making(path, 1.0)
+
+    def _make(self, key: str, game: Game) -> None:
+        try:
+            self._run(key, game)
+        except (OSError, ValueError, pickle.PicklingError):
+            _LOG.exception("The vocabulary of %s could not be made.", game.title)
+        making = self._look(game)
+        self._makings[key] = making if making.path else Making(failed=True)
+
+    def _run(self, key: str, game: Game) -> None:
+        with tempfile.TemporaryFile() as errors:
+            with self._lock:
+                if self._stopping:
+                    return
+                process = self._process = subprocess.Popen(
+                    _COMMAND,
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.PIPE,
+                    stderr=errors,
+                    env=os.environ | ONE_THREAD,
+                )
+            assert process.stdin is not None
+            assert process.stdout is not None
+            with process.stdin, process.stdout, suppress(BrokenPipeError):
+                pickle.dump((self._data, game), process.stdin)
+                process.stdin.flush()
+                for line in process.stdout:
+                    self._makings[key] = Making(progress=float(line))
+            status = process.wait()
+            if status != 0 and not self._stopping:
+                errors.seek(max(errors.seek(0, os.SEEK_END) - _LOG_TAIL_BYTES, 0))
+                said = errors.read().decode(errors="replace")
+                _LOG.error("The vocabulary of %s could not be made: %s", game.title, said)

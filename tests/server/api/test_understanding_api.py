@@ -1,0 +1,167 @@
+"""What Tril understands of an order, over HTTP: learned, watched, said, answered."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+from starlette.testclient import TestClient
+
+from server.vocabularies import VocabularyMaker
+from server.vocabularies.maker import Making
+from tests.server.clients import build_frontend, signed_in
+from testsupport.vocabularies import make_small_vocabulary
+from testsupport.waiting import wait_until
+from testsupport.workplace import Workplace, make_workplace
+from tril.demonstrators import play_randomly
+from tril.games.space_invaders import SPACE_INVADERS
+from tril.store import recordings
+from tril.store.models import AuditRow, Source
+
+RANKING = "/api/behaviours/1/ranking"
+N_GAMES = 6
+
+
+@dataclass(frozen=True)
+class Learned:
+    """A server that has learned to see the game.
+
+    Attributes:
+        client: A client that is signed in.
+        workplace: Its data folder.
+        games: Recorded games, the longest first.
+    """
+
+    client: TestClient
+    workplace: Workplace
+    games: list[int]
+
+
+@pytest.fixture(scope="module")
+def learned(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Learned]:
+    """Return a server that a module's tests share: they take back what they answer."""
+    folder = tmp_path_factory.mktemp("learned")
+    made = make_workplace(folder / "data")
+    rng = np.random.default_rng(1)
+    console = SPACE_INVADERS.make_console()
+    played = [play_randomly(rng, console) for _ in range(N_GAMES)]
+    console.close()
+    played.sort(key=lambda one: one.replay.n_frames, reverse=True)
+    with made.database.writing() as session:
+        games = [
+            recordings.add(session, 1, one.recording, one.replay, Source.VARIED).id
+            for one in played
+        ]
+    with pytest.MonkeyPatch.context() as patch:
+        make_small_vocabulary(made.settings.data, SPACE_INVADERS, patch)
+        with signed_in(made, build_frontend(folder)) as client:
+            yield Learned(client, made, games)
+    made.database.close()
+
+
+def ask(client: TestClient, tiers: list[list[int]]) -> dict[str, Any]:
+    response = client.post(f"{RANKING}/understanding", json={"tiers": tiers})
+    assert response.status_code == 200, response.text
+    told: dict[str, Any] = response.json()
+    return told
+
+
+def understood(client: TestClient, games: list[int]) -> dict[str, Any]:
+    """Return what is understood of games from best to worst, once they were watched."""
+    tiers = [[key] for key in games]
+    wait_until(lambda: ask(client, tiers)["state"] == "ready")
+    return ask(client, tiers)
+
+
+def answer(client: TestClient, statement: dict[str, Any], meant: bool | None) -> list[Any]:
+    body = {"subjects": statement["subjects"], "sentence": statement["sentence"], "meant": meant}
+    response = client.put(f"{RANKING}/answers", json=body)
+    assert response.status_code == 200, response.text
+    answers: list[Any] = response.json()
+    return answers
+
+
+def test_an_order_is_understood_saved_or_not_once_its_games_were_watched(
+    learned: Learned,
+) -> None:
+    client, games = learned.client, learned.games
+    first = ask(client, [[key] for key in games])
+    assert first["state"] == "watching"
+    assert 0 <= first["progress"] < 1
+    told = understood(client, games)
+    assert 3 <= len(told["statements"]) <= 5
+    shares = [one["probability"] for one in told["statements"]]
+    assert shares == sorted(shares, reverse=True)
+    assert 0 < sum(shares) <= 1.001
+    assert isinstance(told["is_sense"], bool)
+    assert set(told["values"]) >= {str(key) for key in games}
+    turned = understood(client, games[::-1])
+    assert turned["statements"] != told["statements"]
+    # Watched already: another order of the same games is understood at once.
+    assert ask(client, [games[:3], games[3:]])["state"] == "ready"
+
+
+def test_things_have_pictures(learned: Learned) -> None:
+    client, games = learned.client, learned.games
+    told = understood(client, games)
+    urls = [url for one in told["statements"] for url in one["pictures"]]
+    kind = f"{RANKING}/things/0.png"
+    for url in [*urls, kind]:
+        picture = client.get(url)
+        assert picture.status_code == 200
+        assert picture.content.startswith(b"\x89PNG")
+        assert ("immutable" in picture.headers["Cache-Control"]) is (url != kind)
+    assert client.get(f"{RANKING}/things/250.png").status_code == 404
+
+
+def test_few_games_wait_for_more_and_those_of_others_are_left_out(
+    learned: Learned,
+) -> None:
+    client, games = learned.client, learned.games
+    understood(client, games)
+    assert ask(client, [[games[0]], [games[1]], [games[2]]])["state"] == "waiting"
+    assert ask(client, [games])["state"] == "waiting", "one tier is no order"
+    assert ask(client, [[9_999], [games[0]]])["state"] == "waiting"
+
+
+def test_an_answer_counts_is_logged_and_can_be_taken_back(learned: Learned) -> None:
+    client, games = learned.client, learned.games
+    before = understood(client, games)
+    second = before["statements"][1]
+    assert answer(client, second, True) == [
+        {"subjects": second["subjects"], "sentence": second["sentence"], "meant": True}
+    ]
+    meant = ask(client, [[key] for key in games])
+    assert [one["meant"] for one in meant["answers"]] == [True]
+    assert all(set(second["subjects"]) <= set(one["subjects"]) for one in meant["statements"])
+    answer(client, second, False)
+    rejected = ask(client, [[key] for key in games])
+    assert second["subjects"] not in [one["subjects"] for one in rejected["statements"]]
+    assert answer(client, second, None) == []
+    assert ask(client, [[key] for key in games])["statements"] == before["statements"]
+    with learned.workplace.database.reading() as session:
+        said = [row for row in session.query(AuditRow) if row.action == "answered a statement"]
+    assert [row.details["meant"] for row in said] == [True, False, None]
+    assert {row.player_name for row in said} != {None}
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"subjects": []}, {"subjects": ["nonsense 1 x"]}, {"meant": 1}, {"sentence": "x" * 500}],
+)
+def test_answers_about_nothing_are_refused(client: TestClient, change: dict[str, Any]) -> None:
+    body = {"subjects": ["memory 28 value"], "sentence": "memory 28 larger", "meant": True}
+    assert client.put(f"{RANKING}/answers", json=body | change).status_code == 422
+
+
+def test_it_says_how_far_it_is_with_learning_to_see_the_game(
+    client: TestClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    states = iter([Making(progress=0.4), Making(failed=True)])
+    monkeypatch.setattr(VocabularyMaker, "vocabulary", lambda *_: next(states))
+    told = ask(client, [[1], [2]])
+    assert (told["state"], told["progress"]) == ("learning", 0.4)
+    assert ask(client, [[1], [2]])["state"] == "failed"
