@@ -21,6 +21,7 @@ export function staleKeys({ topic, key }: Change): QueryKey[] {
       return [
         ["ranking", Number(key)],
         ["opinion", Number(key)],
+        ["understanding", Number(key)],
         ["recordings", Number(key)],
         ["behaviours"],
       ];

@@ -7,6 +7,7 @@ import { ButtonLink } from "@/components/controls/Button";
 import { Icon } from "@/components/controls/Icon";
 import { RunName } from "@/components/RunName";
 import { pairCount, type Tiers } from "@/features/ranking/order/order";
+import { isReadByStatements } from "@/features/ranking/understanding/use-understanding";
 import { continuing, withSearch } from "@/lib/runs";
 
 import styles from "./Hints.module.css";
@@ -24,7 +25,11 @@ interface Hint {
 }
 
 /** Returns what training needs and whether it is there. */
-function hintsFor(tiers: Tiers, recordings: readonly LibraryEntry[]): readonly Hint[] {
+function hintsFor(
+  tiers: Tiers,
+  recordings: readonly LibraryEntry[],
+  behaviour: Behaviour,
+): readonly Hint[] {
   const ranked = new Set(tiers.flat());
   const nRanked = ranked.size;
   const nBorrowed = recordings.filter((one) => one.borrowed && ranked.has(one.id)).length;
@@ -62,7 +67,9 @@ function hintsFor(tiers: Tiers, recordings: readonly LibraryEntry[]): readonly H
       ? {
           id: "number",
           done: true,
-          text: t`${rankedText(nRanked, nBorrowed)}: enough once “What this order asks for” shows what you mean.`,
+          text: isReadByStatements(behaviour)
+            ? t`${rankedText(nRanked, nBorrowed)}: enough once “What Tril understood” says what you mean.`
+            : t`${rankedText(nRanked, nBorrowed)}: enough once “What this order asks for” shows what you mean.`,
         }
       : {
           id: "number",
@@ -80,8 +87,8 @@ function rankedText(n: number, nBorrowed: number): string {
 }
 
 /** Whether a run can be started. */
-function canTrain(tiers: Tiers, recordings: readonly LibraryEntry[]): boolean {
-  return hintsFor(tiers, recordings).every(({ done, optional }) => done || optional);
+function canTrain(hints: readonly Hint[]): boolean {
+  return hints.every(({ done, optional }) => done || optional);
 }
 
 /** What training needs, and the link to it once that is there. */
@@ -97,10 +104,11 @@ export function Hints({
   const at = `/behaviours/${behaviour.id}`;
   const further = continuing(useSearchParams()[0]);
   const parentId = further.get("continue");
+  const hints = hintsFor(tiers, recordings, behaviour);
   return (
     <section className={styles.hints} aria-label={t`What training needs`}>
       <ul className={styles.hints}>
-        {hintsFor(tiers, recordings).map((hint) => (
+        {hints.map((hint) => (
           <li key={hint.id} className={hint.done ? styles.ok : styles.open}>
             <Icon name={hint.done ? "check" : "alert"} />
             <span>{hint.text}</span>
@@ -117,7 +125,7 @@ export function Hints({
           </li>
         )}
       </ul>
-      {canTrain(tiers, recordings) ? (
+      {canTrain(hints) ? (
         <ButtonLink kind="primary" to={withSearch(`${at}/train`, further)}>
           <Trans>Continue to Train</Trans>
         </ButtonLink>

@@ -30,6 +30,8 @@ import { place, placeAll, tierOf, type Tiers } from "@/features/ranking/order/or
 import type { SaverState } from "@/features/ranking/order/saver";
 import { useRankingSaver } from "@/features/ranking/order/use-ranking";
 import { useUndoKeys } from "@/features/ranking/order/use-undo-keys";
+import { UnderstandingPanel } from "@/features/ranking/understanding/UnderstandingPanel";
+import { isReadByStatements } from "@/features/ranking/understanding/use-understanding";
 import { classes } from "@/lib/classes";
 import { recordingName, whyUnrankable } from "@/lib/recordings";
 import { selectedBy } from "@/lib/selection";
@@ -59,7 +61,12 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
   const toast = useToast();
   const [advised, setAdvised] = useState(true);
   const [kept, setKept] = useState<ReadonlySet<number>>(new Set());
-  const opinions = useOpinions(behaviour.id, state, advised);
+  const isRead = isReadByStatements(behaviour);
+  const opinions = useOpinions(behaviour.id, state, advised && !isRead);
+  const perfect = useMemo(
+    () => recordings.flatMap((one) => (one.perfect && !one.deleted ? [one.id] : [])),
+    [recordings],
+  );
   const actions = useRecordingActions(behaviour.id);
   const { mark, question } = usePerfectMark(behaviour);
   const { giveBack } = useBorrowing(behaviour.id);
@@ -193,12 +200,16 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
       <div className={classes(styles.page, selected.length > 0 && styles.selecting)}>
         <section className={styles.ranking} aria-label={t`Ranking`}>
           <SaveBar state={state} saver={saver} />
-          <OpinionBar
-            behaviour={behaviour}
-            opinions={opinions}
-            shown={advised}
-            onShow={setAdvised}
-          />
+          {isRead ? (
+            <UnderstandingPanel behaviourId={behaviour.id} tiers={state.tiers} perfect={perfect} />
+          ) : (
+            <OpinionBar
+              behaviour={behaviour}
+              opinions={opinions}
+              shown={advised}
+              onShow={setAdvised}
+            />
+          )}
           <Pairs
             pairs={openPairs(tiers, unranked, byId)}
             behaviour={behaviour}

@@ -183,6 +183,7 @@ describe("a change", () => {
   it("makes stale what shows the thing, and nothing else", () => {
     expect(staleKeys({ topic: "ranking", key: "3" })).toContainEqual(["ranking", 3]);
     expect(staleKeys({ topic: "ranking", key: "3" })).toContainEqual(["opinion", 3]);
+    expect(staleKeys({ topic: "ranking", key: "3" })).toContainEqual(["understanding", 3]);
     expect(staleKeys({ topic: "run", key: "r1" })).toContainEqual(["metrics", "r1"]);
     expect(staleKeys({ topic: "unheard of", key: "1" })).toEqual([]);
   });

@@ -335,6 +335,7 @@ describe("the results", () => {
         in_order: Array.from({ length: 36 }, (_, index) => (index === 2 ? 1 : 0)),
       },
       statements: [],
+      answers: [],
       confused: [
         {
           better_tier: 1,
@@ -449,13 +450,15 @@ describe("the results", () => {
       { sentence: "what you steer further to the left", probability: 0.83 },
       { sentence: "FIRE held less", probability: 0.09 },
     ];
-    const check = results.check && { ...results.check, wanted: null, statements };
+    const answers = [{ subjects: ["button 0 held"], sentence: "FIRE held less", meant: false }];
+    const check = results.check && { ...results.check, wanted: null, statements, answers };
     open(one, { ...results, check: check ?? null });
 
     const told = within(await screen.findByRole("region", { name: /^What Tril understood/ }));
     expect(told.getAllByRole("listitem").map((item) => item.textContent)).toEqual([
       "what you steer further to the left83%",
       "FIRE held less9%",
+      "You had said that it is not this: FIRE held less",
     ]);
   });
 

@@ -30,7 +30,9 @@ export function RewardCheck({ check, behaviour, onWatch }: RewardCheckProps) {
     <>
       <Numbers check={check} />
       <p className={styles.verdict}>{verdictOf(check)}</p>
-      {check.statements.length > 0 && <Statements statements={check.statements} />}
+      {check.statements.length > 0 && (
+        <Statements statements={check.statements} answers={check.answers} />
+      )}
       {check.wanted && Wanted && (
         <Wanted
           title={t`What the reward wants`}

@@ -1,3 +1,4 @@
+import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 
 import type { RankingCheck } from "@/api/types";
@@ -6,7 +7,10 @@ import { percent } from "@/lib/format";
 import styles from "./Statements.module.css";
 
 /** What Tril says that the order is about, the most probable first. */
-export function Statements({ statements }: Pick<RankingCheck, "statements">) {
+export function Statements({
+  statements,
+  answers,
+}: Pick<RankingCheck, "statements" | "answers">) {
   return (
     <section className={styles.statements} aria-labelledby="statements-title">
       <h4 id="statements-title">
@@ -23,6 +27,19 @@ export function Statements({ statements }: Pick<RankingCheck, "statements">) {
           </li>
         ))}
       </ol>
+      {answers.length > 0 && (
+        <ul aria-label={t`What you had told Tril`}>
+          {answers.map(({ sentence, meant }) => (
+            <li key={sentence} className={styles.told}>
+              {meant ? (
+                <Trans>You had said that this is it: {sentence}</Trans>
+              ) : (
+                <Trans>You had said that it is not this: {sentence}</Trans>
+              )}
+            </li>
+          ))}
+        </ul>
+      )}
     </section>
   );
 }

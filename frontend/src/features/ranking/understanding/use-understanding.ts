@@ -1,0 +1,84 @@
+import {
+  keepPreviousData,
+  queryOptions,
+  useMutation,
+  useQuery,
+  useQueryClient,
+} from "@tanstack/react-query";
+import { useMemo } from "react";
+
+import { api, messageOf, unwrap } from "@/api/client";
+import type { Behaviour, StatementAnswer, Understanding } from "@/api/types";
+import { useToast } from "@/components/feedback/Toasts";
+import type { Tiers } from "@/features/ranking/order/order";
+import { viewOf } from "@/games/views";
+
+/** How often the server is asked again while it learns to see the game or watches games. */
+const AGAIN_MS = 1000;
+
+/**
+ * Whether Tril says in statements what an order is about. Where the items that a game takes describe
+ * the behaviour, and the page can draw them, it shows which of them are wanted instead.
+ */
+export function isReadByStatements({ game, target }: Behaviour): boolean {
+  return target === null || !viewOf(game)?.Wanted;
+}
+
+function understandingQuery(behaviourId: number, tiers: Tiers, perfect: readonly number[]) {
+  return queryOptions({
+    queryKey: ["understanding", behaviourId, tiers, perfect],
+    queryFn: ({ signal }) =>
+      unwrap(
+        api.POST("/api/behaviours/{behaviour_id}/ranking/understanding", {
+          params: { path: { behaviour_id: behaviourId } },
+          body: { tiers: tiers.map((tier) => [...tier]) },
+          signal,
+        }),
+      ),
+    // What was said of the order before stays until the new answer is there.
+    placeholderData: keepPreviousData,
+    refetchInterval: ({ state }) =>
+      state.data?.state === "learning" || state.data?.state === "watching" ? AGAIN_MS : false,
+  });
+}
+
+interface OrderUnderstanding {
+  readonly told: Understanding | undefined;
+  readonly error: unknown;
+  /** Says what is meant of a statement; null takes back what was said. */
+  readonly answer: (statement: StatementAnswer | Unanswered) => void;
+  readonly isAnswering: boolean;
+}
+
+type Unanswered = Omit<StatementAnswer, "meant"> & { readonly meant: null };
+
+/**
+ * Returns what Tril understands of the order shown, asked anew after each change.
+ *
+ * @param perfect The best efforts, which it is inferred from, too.
+ */
+export function useUnderstanding(
+  behaviourId: number,
+  tiers: Tiers,
+  perfect: readonly number[],
+): OrderUnderstanding {
+  const client = useQueryClient();
+  const toast = useToast();
+  const { data, error } = useQuery(understandingQuery(behaviourId, tiers, perfect));
+  const queryKey = useMemo(() => ["understanding", behaviourId], [behaviourId]);
+  const { mutate, isPending } = useMutation({
+    mutationFn: ({ subjects, sentence, meant }: StatementAnswer | Unanswered) =>
+      unwrap(
+        api.PUT("/api/behaviours/{behaviour_id}/ranking/answers", {
+          params: { path: { behaviour_id: behaviourId } },
+          body: { subjects, sentence, meant },
+        }),
+      ),
+    onSuccess: (answers) => {
+      client.setQueriesData<Understanding>({ queryKey }, (old) => old && { ...old, answers });
+    },
+    onError: (problem: Error) => toast(messageOf(problem)),
+    onSettled: () => client.invalidateQueries({ queryKey }),
+  });
+  return { told: data, error, answer: mutate, isAnswering: isPending };
+}

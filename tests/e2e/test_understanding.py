@@ -1,0 +1,80 @@
+"""What Tril understands of an order, in a real browser: seen, agreed with, taken back."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser, Page, ViewportSize, expect
+
+from server.web.pages import FRONTEND
+from tests.e2e.pages import signed_in
+from testsupport.live import live_server
+from testsupport.vocabularies import make_small_vocabulary
+from testsupport.workplace import Workplace
+from tril.demonstrators import play_randomly
+from tril.games import game_named
+from tril.games.settings import GameSettings
+from tril.store import behaviours, rankings, recordings
+from tril.store.models import Source
+
+N_GAMES = 6
+SETTINGS = GameSettings(max_steps=60)
+PATIENCE_MS = 120_000
+PHONE = ViewportSize(width=360, height=780)
+
+
+@pytest.fixture
+def behaviour_id(workplace: Workplace, monkeypatch: pytest.MonkeyPatch) -> int:
+    """Rank games of Pong, which Tril has learned to see, and leave one unranked."""
+    game = game_named("pong").with_settings(SETTINGS)
+    make_small_vocabulary(workplace.settings.data, game, monkeypatch)
+    console = game.make_console()
+    played = [play_randomly(np.random.default_rng(seed), console) for seed in range(N_GAMES)]
+    console.close()
+    with workplace.database.writing() as session:
+        behaviour = behaviours.create(session, "Stay low", game="pong", settings=SETTINGS)
+        ids = [
+            recordings.add(session, behaviour.id, one.recording, one.replay, Source.VARIED).id
+            for one in played
+        ]
+        rankings.save(session, behaviour.id, 0, [[key] for key in ids[1:]])
+        return behaviour.id
+
+
+@pytest.fixture
+def page(browser: Browser, workplace: Workplace, behaviour_id: int) -> Iterator[Page]:
+    """Return the behaviour's rank page on a phone; errors in its console fail the test."""
+    path = f"/behaviours/{behaviour_id}/rank"
+    with (
+        live_server(workplace.settings.data, frontend=FRONTEND) as running,
+        signed_in(browser, running, path, viewport=PHONE) as page,
+    ):
+        yield page
+
+
+def test_a_statement_is_seen_agreed_with_and_taken_back(page: Page) -> None:
+    panel = page.get_by_role("region", name="What Tril understood")
+    agree = panel.get_by_role("button", name=re.compile("^This is it: "))
+    expect(agree.first).to_be_visible(timeout=PATIENCE_MS)
+    expect(panel.get_by_text("%").first).to_be_visible()
+    width = page.evaluate("document.documentElement.scrollWidth")
+    assert width <= PHONE["width"], "nothing is cut off at the side"
+
+    name = agree.first.get_attribute("aria-label")
+    assert name is not None
+    sentence = name.removeprefix("This is it: ")
+    agree.first.focus()
+    page.keyboard.press("Enter")
+    expect(panel.get_by_text("You said that this is it.").first).to_be_visible()
+    back = panel.get_by_role("button", name=f"Take back: {sentence}", exact=True)
+    expect(back).to_be_focused()
+    expect(back).to_have_attribute("aria-disabled", "false")
+
+    page.reload()
+    expect(back).to_be_visible(timeout=PATIENCE_MS)
+    back.click()
+    expect(panel.get_by_text("You said that this is it.")).to_have_count(0)
+    expect(panel.get_by_role("button", name=name, exact=True)).to_be_visible()
