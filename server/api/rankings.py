@@ -172,6 +172,7 @@ def understand_ranking(
         [Answer(frozenset(one.subjects), one.meant) for one in said],
         recordings_of,
     )
+    pictured = services.vocabularies.pictured(game)
     picture = f"/api/behaviours/{behaviour_id}/ranking/things/{{}}.png?v={vocabulary_key(game)}"
     return Understanding(
         state=told.state,
@@ -181,7 +182,7 @@ def understand_ranking(
                 subjects=list(one.subjects),
                 sentence=one.sentence,
                 probability=round(one.probability, 3),
-                pictures=[picture.format(kind) for kind in one.kinds],
+                pictures=[picture.format(kind) for kind in one.kinds if kind in pictured],
             )
             for one in told.statements
         ],

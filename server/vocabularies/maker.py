@@ -19,7 +19,7 @@ from tril.errors import Invalid, NotFound
 from tril.games.base import Game
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.making import pictures_path, vocabulary_key, vocabulary_path
-from tril.vocabulary.pictures import read_picture
+from tril.vocabulary.pictures import pictured_kinds, read_picture
 
 _LOG = logging.getLogger(__name__)
 
@@ -32,7 +32,7 @@ class Making:
     """How far the making of a vocabulary is.
 
     Attributes:
-        path: Its file, once it is there.
+        path: Its file, once it is there; pictures of the things may come later.
         progress: Share of what is done, 0 to 1.
         failed: Whether it could not be made; the server's log says why.
     """
@@ -67,9 +67,13 @@ class VocabularyMaker:
             if making is None:
                 making = self._look(game)
                 self._makings[key] = making
-                if making.path is None:
+                if making.path is None or not pictures_path(self._data, game).exists():
                     self._thread.submit(self._make, key, game)
         return making
+
+    def pictured(self, game: Game) -> frozenset[int]:
+        """Return the kinds of things that there are pictures of, by their indices."""
+        return pictured_kinds(pictures_path(self._data, game))
 
     def picture(self, game: Game, kind: int) -> bytes:
         """Return the PNG of a kind of things, by its index in the game's vocabulary.
@@ -92,8 +96,6 @@ class VocabularyMaker:
 
     def _look(self, game: Game) -> Making:
         path = vocabulary_path(self._data, game)
-        if not pictures_path(self._data, game).exists():
-            return Making()
         try:
             Vocabulary.load(path)
         except Invalid:
@@ -126,7 +128,8 @@ class VocabularyMaker:
                 pickle.dump((self._data, game), process.stdin)
                 process.stdin.flush()
                 for line in process.stdout:
-                    self._makings[key] = Making(progress=float(line))
+                    if self._makings[key].path is None:
+                        self._makings[key] = Making(progress=float(line))
             status = process.wait()
             if status != 0 and not self._stopping:
                 errors.seek(max(errors.seek(0, os.SEEK_END) - _LOG_TAIL_BYTES, 0))

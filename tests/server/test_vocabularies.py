@@ -26,6 +26,8 @@ def test_a_vocabulary_is_made_in_the_background_and_found_again(tmp_path: Path) 
     first = vocabularies.vocabulary(PONG)
     assert (first.path, first.failed) == (None, False)
     wait_until(lambda: vocabularies.vocabulary(PONG).path is not None, PATIENCE_S)
+    # Pictures follow.
+    wait_until(lambda: 0 in vocabularies.pictured(PONG), PATIENCE_S)
     making = vocabularies.vocabulary(PONG)
     assert making.path is not None
     assert Vocabulary.load(making.path).n_facts > 0
@@ -33,6 +35,7 @@ def test_a_vocabulary_is_made_in_the_background_and_found_again(tmp_path: Path) 
     vocabularies.stop()
     again = VocabularyMaker(tmp_path)
     assert again.vocabulary(PONG) == making, "nothing is made twice"
+    assert again._process is None
     again.stop()
 
 

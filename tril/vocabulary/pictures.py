@@ -61,7 +61,17 @@ def write_pictures(path: Path, pictures: dict[int, bytes]) -> None:
     with zipfile.ZipFile(file, "w") as archive:
         for kind, picture in pictures.items():
             archive.writestr(f"{kind}.png", picture)
+    path.parent.mkdir(parents=True, exist_ok=True)
     write_whole(path, file.getvalue())
+
+
+def pictured_kinds(path: Path) -> frozenset[int]:
+    """Return the kinds whose pictures `write_pictures` wrote; none if there is no such file."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return frozenset(int(Path(name).stem) for name in archive.namelist())
+    except (OSError, zipfile.BadZipFile):
+        return frozenset()
 
 
 def read_picture(path: Path, kind: int) -> bytes | None:
