@@ -16,7 +16,7 @@ from tril.games import game_named
 from tril.games.settings import GameSettings
 from tril.vocabulary.facts import Vocabulary
 
-PONG = game_named("pong").with_settings(GameSettings(max_steps=20))
+PONG = game_named("pong").with_settings(GameSettings(max_steps=25))
 PATIENCE_S = 120.0
 
 
