@@ -7,10 +7,7 @@ import { percent } from "@/lib/format";
 import styles from "./Statements.module.css";
 
 /** What Tril says that the order is about, the most probable first. */
-export function Statements({
-  statements,
-  answers,
-}: Pick<RankingCheck, "statements" | "answers">) {
+export function Statements({ statements, answers }: Pick<RankingCheck, "statements" | "answers">) {
   return (
     <section className={styles.statements} aria-labelledby="statements-title">
       <h4 id="statements-title">

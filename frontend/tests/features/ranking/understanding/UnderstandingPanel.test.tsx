@@ -72,7 +72,11 @@ describe("what is understood of an order", () => {
   it("is asked of the order shown and said most likely first, with the thing's picture", async () => {
     const { asked } = open();
     await screen.findByText(LEFT);
-    expect(panel().getAllByRole("listitem").map((item) => item.textContent)).toEqual([
+    expect(
+      panel()
+        .getAllByRole("listitem")
+        .map((item) => item.textContent),
+    ).toEqual([
       `${LEFT}83%This is itNot this`,
       `${FIRE}9%This is itNot this`,
       // Three are shown at least; what is less probable still is not.
@@ -111,7 +115,9 @@ describe("what is understood of an order", () => {
     expect(await screen.findByRole("progressbar")).toHaveAccessibleName(
       /^Tril learns to see Space Invaders: 40%\./,
     );
-    expect(await screen.findByText(/watches your ranked games/, {}, { timeout: 3000 })).toBeVisible();
+    expect(
+      await screen.findByText(/watches your ranked games/, {}, { timeout: 3000 }),
+    ).toBeVisible();
     expect(await screen.findByText(LEFT, {}, { timeout: 3000 })).toBeVisible();
     expect(screen.queryByRole("progressbar")).toBeNull();
   });
