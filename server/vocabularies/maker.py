@@ -124,7 +124,8 @@ class VocabularyMaker:
                 )
             assert process.stdin is not None
             assert process.stdout is not None
-            with process.stdin, process.stdout, suppress(BrokenPipeError):
+            # One that failed at once reads nothing.
+            with suppress(BrokenPipeError), process.stdin, process.stdout:
                 pickle.dump((self._data, game), process.stdin)
                 process.stdin.flush()
                 for line in process.stdout:

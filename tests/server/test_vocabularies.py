@@ -17,7 +17,7 @@ from tril.games.settings import GameSettings
 from tril.vocabulary.facts import Vocabulary
 
 PONG = game_named("pong").with_settings(GameSettings(max_steps=25))
-PATIENCE_S = 120.0
+PATIENCE_S = 300.0
 
 
 @pytest.mark.lengthy
