@@ -12,7 +12,7 @@ from tests.e2e.test_lost_responses import expect_order, saved_tiers
 from testsupport.live import LiveServer
 
 TABS = 10
-"""More than the six connections to one host that a browser allows. Thirty were tried."""
+"""More than the six connections to one host that a browser allows."""
 ARRIVES_MS = 60_000
 OFFLINE = "net::ERR_INTERNET_DISCONNECTED"
 

@@ -41,9 +41,11 @@ function server(told: () => Partial<Understanding>) {
   return serve({
     [UNDERSTANDING]: () => ({ ...READY, answers, ...told() }),
     "PUT /api/behaviours/1/ranking/answers": ({ body }: Asked) => {
-      const given = body as StatementAnswer & { meant: boolean | null };
+      const { meant, ...given } = body as Omit<StatementAnswer, "meant"> & {
+        meant: boolean | null;
+      };
       answers = answers.filter(({ subjects }) => subjects.join() !== given.subjects.join());
-      if (given.meant !== null) answers.push(given);
+      if (meant !== null) answers.push({ ...given, meant });
       return answers;
     },
   });
