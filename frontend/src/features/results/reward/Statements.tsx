@@ -20,7 +20,7 @@ export function Statements({ statements, answers }: Pick<RankingCheck, "statemen
             <span className={styles.bar} aria-hidden="true">
               <span style={{ inlineSize: percent(probability) }} />
             </span>
-            <span className={styles.share}>{percent(probability)}</span>
+            <span className={styles.share}>{percent(probability, 0)}</span>
           </li>
         ))}
       </ol>
