@@ -43,6 +43,7 @@ from testsupport.waiting import wait_until
 from testsupport.watching import finished_run
 from testsupport.workplace import make_workplace
 from tril.settings import Settings
+from tril.store.access.invitations import MAX_USES
 
 FLAT_MB_PER_H = 6.0
 """Slope at which a process counts as flat: a day adds less than it takes at its start."""
@@ -270,7 +271,8 @@ async def visit(
 
 async def _invite(settings: Settings) -> str:
     async with client_of(settings) as http:
-        wish = {"name": "Visitors", "role": "participant", "behaviour_id": 1}
+        wish: dict[str, Any] = {"name": "Visitors", "role": "participant", "behaviour_id": 1}
+        wish["max_uses"] = MAX_USES
         path: str = (
             (await http.post("/api/invitations", json=wish)).raise_for_status().json()["path"]
         )
