@@ -166,12 +166,27 @@ def phrase(words: Vocabulary, group: Group, weights: Array, game: Game) -> str:
         sides = {"x": ("left", "right"), "y": ("above", "below")}[axis]
         side = sides[direction > 0]
         return f"{name} more {f'to the {side} of' if axis == 'x' else side} {player}"
-    low, high = _bounds(group, weights)
-    return f"{name} {_distance(low)} to {_distance(high)} px {axis}-wise from {player}"
+    return f"{name} {_offset(*_bounds(group, weights), axis)} {player}"
 
 
-def _distance(edge: float | None) -> str:
-    return "any" if edge is None else f"{edge:.0f}"
+def _offset(low: float | None, high: float | None, axis: str) -> str:
+    """Return where from low to high pixels is as seen from something; None has no bound."""
+    before, after = {
+        "x": ("px to the left of", "px to the right of"),
+        "y": ("px above", "px below"),
+    }[axis]
+    if low is None and high is None:
+        return "somewhere about"
+    if low is None:
+        assert high is not None
+        return f"more than {-high:.0f} {before}" if high < 0 else f"at most {high:.0f} {after}"
+    if high is None:
+        return f"more than {low:.0f} {after}" if low >= 0 else f"at most {-low:.0f} {before}"
+    if high <= 0:
+        return f"{-high:.0f} to {-low:.0f} {before}"
+    if low >= 0:
+        return f"{low:.0f} to {high:.0f} {after}"
+    return f"between {-low:.0f} {before} and {high:.0f} {after}"
 
 
 def _of_byte(words: Vocabulary, group: Group, weights: Array, game: Game) -> str:

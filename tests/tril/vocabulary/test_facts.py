@@ -10,7 +10,7 @@ import pytest
 from tril.errors import Invalid
 from tril.games import game_named
 from tril.vocabulary.blobs import BLOB_DTYPE, Background, find_blobs
-from tril.vocabulary.facts import Vocabulary
+from tril.vocabulary.facts import Aspect, Group, Vocabulary
 from tril.vocabulary.sentences import colour_name, phrase, tell
 from tril.vocabulary.trace import Trace
 from tril.vocabulary.understanding import understand
@@ -131,6 +131,30 @@ def test_every_group_has_a_phrase_either_way(words: Vocabulary) -> None:
         phrases = {phrase(words, group, weights, game), phrase(words, group, -weights, game)}
         assert len(phrases) == 2 or group.aspect in ("bits", "moves")
         assert all(text and "None" not in text for text in phrases)
+
+
+@pytest.mark.parametrize(
+    ("best", "aspect", "text"),
+    [
+        (0, "dx", "more than 20 px to the left of"),
+        (1, "dx", "12 to 20 px to the left of"),
+        (2, "dy", "between 12 px above and 8 px below"),
+        (3, "dy", "8 to 30 px below"),
+        (4, "dx", "more than 30 px to the right of"),
+    ],
+)
+def test_where_a_thing_is_as_seen_from_the_players(
+    words: Vocabulary, best: int, aspect: Aspect, text: str
+) -> None:
+    assert words.player is not None
+    other = 1 - words.player
+    group = Group("thing", (words.player, other), aspect, (-20.0, -12.0, 8.0, 30.0))
+    # Neither rising nor falling: high in one bin, and low at both ends.
+    weights = np.array([0.0, 0.1, 0.2, 0.1, 0.0])
+    weights[best] = 2.0
+    told = phrase(words, group, weights, game_named("pong"))
+    assert text in told
+    assert told.endswith("what you steer")
 
 
 def test_blobs_are_areas_of_one_colour_in_front_of_the_background() -> None:
