@@ -38,7 +38,7 @@ MAX_UPLOAD_BYTES = 16 * 1024 * 1024
 BODY_TIMEOUT_S = 20.0
 """How long a body may take to arrive; an upload has more time, in its turn."""
 _UPLOAD_END = "/recordings/import"
-_RANKING_END = "/ranking"
+_RANKING_ENDS = ("/ranking", "/ranking/understanding")
 
 MAX_HOST_CHARACTERS = 300
 """A host name has at most 255, and there is a scheme and a port beside it."""
@@ -240,7 +240,7 @@ def _limit_of(identity: Identity | None, path: str) -> int:
         return MAX_PARTICIPANTS_BODY_BYTES
     if path.endswith(_UPLOAD_END):
         return MAX_UPLOAD_BYTES
-    return MAX_RANKING_BYTES if path.endswith(_RANKING_END) else MAX_BODY_BYTES
+    return MAX_RANKING_BYTES if path.endswith(_RANKING_ENDS) else MAX_BODY_BYTES
 
 
 def _with_own_cookie(headers: RawHeaders, name: bytes) -> RawHeaders:

@@ -303,5 +303,5 @@ def test_names_are_no_markup_of_the_terminal(tmp_path: Path) -> None:
 def test_a_game_is_looked_at_beforehand(data_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(making, "N_GAMES", 2)
     assert "kinds of things" in _run("games", "prepare", "pong")
-    (kept,) = (data_folder / making.FOLDER).iterdir()
+    (kept,) = (data_folder / making.FOLDER).glob("*.npz")
     assert Vocabulary.load(kept).pool.shape[0] == 2

@@ -71,20 +71,6 @@ def dataset_of(
     )
 
 
-def test_a_vocabulary_is_made_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(making, "N_GAMES", 2)
-    told: list[tuple[int, int]] = []
-    first = vocabulary_of(tmp_path, GAME, lambda done, total: told.append((done, total)))
-    assert told[-1] == (6, 6)
-    told.clear()
-    again = vocabulary_of(tmp_path, GAME, lambda done, total: told.append((done, total)))
-    assert not told
-    assert again.groups == first.groups
-    (path,) = (tmp_path / "vocabularies").iterdir()
-    path.write_bytes(b"damaged")
-    assert vocabulary_of(tmp_path, GAME).groups == first.groups
-
-
 def test_what_orders_the_games_is_understood(
     words: Vocabulary, games: list[tuple[Trajectory, np.ndarray, float]]
 ) -> None:

@@ -25,7 +25,7 @@ DEFAULT_USES = 30
 
 MAX_USES = 1000
 
-MAX_INVITATIONS = 200
+MAX_INVITATIONS = 500
 """Most links that are not revoked."""
 
 DEFAULT_DAYS = 30
