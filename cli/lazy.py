@@ -40,19 +40,19 @@ class LazyCommand(TyperCommand):
         """
         module, _, attribute = self._reference.partition(":")
         try:
-            found = getattr(import_module(module), attribute)
+            target = getattr(import_module(module), attribute)
         except (MemoryError, ImportError) as error:
             said = str(error).lower()
             if isinstance(error, ImportError) and not any(words in said for words in _NO_ROOM):
                 raise
             errors.print(NO_MEMORY)
             raise typer.Exit(1) from error
-        if isinstance(found, typer.Typer):
-            group = get_group(found)
+        if isinstance(target, typer.Typer):
+            group = get_group(target)
             group.name = self.name
             return group
         alone = typer.Typer(add_completion=False, pretty_exceptions_show_locals=False)
-        alone.command(self.name)(found)
+        alone.command(self.name)(target)
         return get_command(alone)
 
     def make_context(self, *args: Any, **kwargs: Any) -> Any:

@@ -18,7 +18,7 @@ from server.play.replays import ReplayProcess
 from server.play.replays.request import Told, UnderstandRequest
 from server.replay_cache import ReplayCache
 from server.vocabularies import VocabularyMaker
-from tril.errors import Invalid, Unavailable
+from tril.errors import Invalid, NotFound
 from tril.games.base import Game
 from tril.recording import Recording
 from tril.vocabulary.answers import Answer
@@ -36,6 +36,8 @@ MOST_KEPT = 4_000
 Facts = npt.NDArray[np.float32]
 Order = Sequence[Sequence[int]]
 """Ids of recordings in tiers, the best first."""
+RecordingsOf = Callable[[Sequence[int]], Mapping[int, Recording]]
+"""Returns recordings by id; those that do not exist are left out."""
 
 
 class State(StrEnum):
@@ -116,7 +118,7 @@ class OrderReader:
         tiers: Order,
         best: Sequence[int],
         answers: Sequence[Answer],
-        recordings_of: Callable[[Sequence[int]], Mapping[int, Recording]],
+        recordings_of: RecordingsOf,
     ) -> OrderUnderstood:
         """Return what is understood of an order.
 
@@ -125,7 +127,7 @@ class OrderReader:
             tiers: The order.
             best: Ids of the best efforts, ranked or not.
             answers: What a person said of statements, the latest last.
-            recordings_of: Returns recordings by id; those that do not exist are left out.
+            recordings_of: Called in another thread.
 
         Raises:
             Unavailable: It could not be inferred.
@@ -175,7 +177,7 @@ class OrderReader:
         self,
         vocabulary: Path,
         ids: Sequence[int],
-        recordings_of: Callable[[Sequence[int]], Mapping[int, Recording]],
+        recordings_of: RecordingsOf,
     ) -> tuple[dict[int, Facts], int]:
         """Return the facts of recordings that were watched, and how many are still to be."""
         name = vocabulary.stem
@@ -186,37 +188,34 @@ class OrderReader:
             missing = [key for key in ids if key not in facts and (name, key) not in self._refused]
             new = [key for key in missing if (name, key) not in self._watched]
             self._watched.update((name, key) for key in new)
-        try:
-            found = recordings_of(new) if new else {}
-        except BaseException:
-            with self._lock:
-                self._watched.difference_update((name, key) for key in new)
-            raise
         for key in new:
-            self._thread.submit(self._watch, vocabulary, key, found.get(key))
+            self._thread.submit(self._watch, vocabulary, key, recordings_of)
         return facts, len(missing)
 
-    def _watch(self, vocabulary: Path, key: int, recording: Recording | None) -> None:
+    def _watch(self, vocabulary: Path, key: int, recordings_of: RecordingsOf) -> None:
         entry = vocabulary.stem, key
-        facts: Facts | None = None
         try:
+            if self._stopping.is_set():
+                return
+            recording = recordings_of([key]).get(key)
             if recording is None:
-                raise Invalid("there is no such recording")
-            if not self._stopping.is_set():
-                facts = np.frombuffer(self._cache.facts(recording, vocabulary), np.float32)
-        except Invalid as refusal:
+                raise NotFound("there is no such recording")
+            facts = np.frombuffer(self._cache.facts(recording, vocabulary), np.float32)
+        except (Invalid, NotFound) as refusal:
             _LOG.warning("Recording %d is left out of what Tril understands: %s", key, refusal)
             with self._lock:
                 self._refused.add(entry)
-        except Unavailable as failure:
+        except Exception:
             # Tried again when it is next asked for.
-            _LOG.warning("Recording %d is not watched yet: %s", key, failure)
-        with self._lock:
-            self._watched.discard(entry)
-            if facts is not None:
+            _LOG.exception("Recording %d could not be watched.", key)
+        else:
+            with self._lock:
                 self._facts[entry] = facts
                 while len(self._facts) > MOST_KEPT:
                     self._facts.popitem(last=False)
+        finally:
+            with self._lock:
+                self._watched.discard(entry)
 
 
 def strongest_contradiction(order: Order, values: Mapping[int, float]) -> Contradiction | None:
@@ -226,7 +225,7 @@ def strongest_contradiction(order: Order, values: Mapping[int, float]) -> Contra
         order: Ids of games in tiers, the best first.
         values: Their values in log odds.
     """
-    most, found = LEAST_CONTRADICTION, None
+    most, pair = LEAST_CONTRADICTION, None
     least: int | None = None
     # Of the games above, the one of least value contradicts most.
     for tier in order:
@@ -234,8 +233,8 @@ def strongest_contradiction(order: Order, values: Mapping[int, float]) -> Contra
             highest = max(tier, key=lambda key: values[key])
             if values[highest] - values[least] >= most:
                 most = values[highest] - values[least]
-                found = Contradiction(least, highest)
+                pair = Contradiction(least, highest)
         lowest = min(tier, key=lambda key: values[key])
         if least is None or values[lowest] < values[least]:
             least = lowest
-    return found
+    return pair

@@ -27,7 +27,7 @@ from tril.vocabulary.making import (  # noqa: E402
 from tril.vocabulary.pictures import MOST_GAMES, pictures_of, write_pictures  # noqa: E402
 
 VOCABULARY_SHARE = 0.9
-"""Of the time; the rest is for the pictures."""
+"""The share of the time that the vocabulary takes; the pictures take the rest."""
 
 
 def main() -> None:

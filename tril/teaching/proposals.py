@@ -67,6 +67,6 @@ def pick_training_games(
 
 
 def _traits(behaviour: Behaviour, cells: Sequence[Cell], died: bool) -> Traits:
-    found = score(behaviour, tuple(cells))
-    targets, strays = (len(cells), 0) if found is None else (found.targets, found.strays)
+    outcome = score(behaviour, tuple(cells))
+    targets, strays = (len(cells), 0) if outcome is None else (outcome.targets, outcome.strays)
     return targets, strays, died

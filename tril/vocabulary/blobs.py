@@ -89,7 +89,7 @@ def find_blobs(colours: Screen, background: Screen) -> Blobs:
         part["height"] = stats[kept, cv2.CC_STAT_HEIGHT]
         part["area"] = stats[kept, cv2.CC_STAT_AREA]
         parts.append(part)
-    found = np.concatenate([np.empty(0, BLOB_DTYPE), *parts])
-    if len(found) > MAX_BLOBS:
-        found = found[np.sort(np.argsort(-found["area"], kind="stable")[:MAX_BLOBS])]
-    return found
+    blobs = np.concatenate([np.empty(0, BLOB_DTYPE), *parts])
+    if len(blobs) > MAX_BLOBS:
+        blobs = blobs[np.sort(np.argsort(-blobs["area"], kind="stable")[:MAX_BLOBS])]
+    return blobs

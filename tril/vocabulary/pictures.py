@@ -36,12 +36,12 @@ def pictures_of(
 
     Args:
         words: The game's vocabulary.
-        recordings: The games, looked at until every kind is found.
+        recordings: The games, looked at until each kind has a picture.
         console: A console of the game.
     """
-    found: dict[int, bytes] = {}
+    pictures: dict[int, bytes] = {}
     for recording in recordings:
-        missing = [index for index in range(len(words.kinds)) if index not in found]
+        missing = [index for index in range(len(words.kinds)) if index not in pictures]
         if not missing:
             break
         played = trace(recording, console, words.background)
@@ -51,8 +51,8 @@ def pictures_of(
             if len(members):
                 blob = _typical(members, words.background.shape)
                 shown[int(blob["step"])].append((kind, blob))
-        found |= _cut(recording, console, shown)
-    return found
+        pictures |= _cut(recording, console, shown)
+    return pictures
 
 
 def write_pictures(path: Path, pictures: dict[int, bytes]) -> None:
@@ -98,7 +98,7 @@ def _cut(
 ) -> dict[int, bytes]:
     """Replay a recording and return the pictures of what it shows after some steps."""
     game, per_step = recording.game, recording.game.clock.frames_per_step
-    found: dict[int, bytes] = {}
+    pictures: dict[int, bytes] = {}
     amount: dict[int, int] = {}
 
     def look(episode: Episode) -> None:
@@ -113,10 +113,10 @@ def _cut(
             n_pixels = int((colours_of(screen, game)[box] == blob["colour"]).sum())
             if n_pixels > amount.get(kind, 0):
                 amount[kind] = n_pixels
-                found[kind] = _png(_rgb(screen, game), box)
+                pictures[kind] = _png(_rgb(screen, game), box)
 
     replay(recording, console, look)
-    return found
+    return pictures
 
 
 def _box(blob: Blobs) -> tuple[slice, slice]:

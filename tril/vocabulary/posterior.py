@@ -108,11 +108,6 @@ class Statement:
     columns: npt.NDArray[np.int64]
     weights: Array
 
-    def value(self, values: Array) -> Array:
-        """Return the value of games, float64 (n_games,), from standardised facts."""
-        result: Array = values[:, self.columns] @ self.weights
-        return result
-
 
 @dataclass(frozen=True)
 class Posterior:
@@ -126,49 +121,6 @@ class Posterior:
 
     statements: tuple[Statement, ...]
     log_odds: float
-
-    def value(self, values: Array) -> Array:
-        """Return the value of games averaged over statements, float64 (n_games,)."""
-        total = np.zeros(len(values))
-        for statement in self.statements:
-            total += statement.probability * statement.value(values)
-        return total
-
-    def given(self, *groups: int) -> Posterior:
-        """Return the posterior of those who mean these groups, by themselves or with another.
-
-        Raises:
-            ValueError: No statement that was kept has them.
-        """
-        kept = [one for one in self.statements if set(groups) <= set(one.groups)]
-        total = sum(one.probability for one in kept)
-        if not total:
-            raise ValueError(f"No statement has the groups {groups}.")
-        return Posterior(
-            tuple(
-                Statement(one.groups, one.probability / total, one.columns, one.weights)
-                for one in kept
-            ),
-            self.log_odds + float(np.log(total)),
-        )
-
-    def without(self, *groups: int) -> Posterior:
-        """Return the posterior of those who mean none of these groups.
-
-        Raises:
-            ValueError: Every statement that was kept has one of them.
-        """
-        kept = [one for one in self.statements if not set(groups) & set(one.groups)]
-        total = sum(one.probability for one in kept)
-        if not total:
-            raise ValueError(f"Every statement has one of the groups {groups}.")
-        return Posterior(
-            tuple(
-                Statement(one.groups, one.probability / total, one.columns, one.weights)
-                for one in kept
-            ),
-            self.log_odds + float(np.log(total)),
-        )
 
 
 def infer(

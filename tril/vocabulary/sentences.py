@@ -57,14 +57,14 @@ class Telling:
 
     def kinds(self, words: Vocabulary) -> tuple[int, ...]:
         """Return the kinds of things that it is about, of a relation the other thing's."""
-        found: list[int] = []
+        kinds: list[int] = []
         for index in self.groups:
             group = words.groups[index]
             if group.twin is not None:
-                found.append(group.twin.kind)
+                kinds.append(group.twin.kind)
             elif group.source == "thing":
-                found.append(group.subject[-1])
-        return tuple(dict.fromkeys(found))
+                kinds.append(group.subject[-1])
+        return tuple(dict.fromkeys(kinds))
 
 
 def tell(

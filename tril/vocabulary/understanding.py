@@ -66,10 +66,6 @@ class Understanding:
         values: Array = summaries @ self.mean_coefficients()
         return values
 
-    def given(self, *groups: int) -> Understanding:
-        """Return what is understood of those who mean these groups; see `Posterior.given`."""
-        return replace(self, posterior=self.posterior.given(*groups))
-
 
 def understand(
     words: Vocabulary,
@@ -106,7 +102,7 @@ def understand(
         [values[:, columns] @ root for columns, root in zip(words.columns, roots, strict=True)], 1
     )
     conditions = Conditions.of(words, answers)
-    found = infer(
+    posterior = infer(
         whitened,
         words.columns,
         conditions.log_prior(words),
@@ -114,8 +110,8 @@ def understand(
         conditions.allow,
         conditions.groups,
     )
-    statements = tuple(_coloured(one, roots) for one in found.statements)
-    return Understanding(words, replace(found, statements=statements), spread, conditions.meant)
+    statements = tuple(_coloured(one, roots) for one in posterior.statements)
+    return Understanding(words, replace(posterior, statements=statements), spread, conditions.meant)
 
 
 def _coloured(statement: Statement, roots: Sequence[Array]) -> Statement:

@@ -38,13 +38,12 @@ from trainer.reward.preference_dataset import (
 )
 from trainer.reward.reward_trainer import train_reward_model
 from trainer.reward.statements import understanding_of
+from trainer.runtime.run_data import N_VARIED
 from tril.recipes import recipe_named, with_values
 from tril.recording import trajectory
 from tril.vocabulary.making import varied_games
 from tril.vocabulary.sentences import tell
 from tril.vocabulary.trace import trace
-
-N_VARIED = 16
 
 
 class Taught:
@@ -201,8 +200,7 @@ def main() -> None:
             taught = Taught(
                 played, index, arguments.ranked, arguments.best, arguments.seed, changes
             )
-            found = taught.run(arguments.steps) | {"changes": changes}
-            line = json.dumps(found)
+            line = json.dumps(taught.run(arguments.steps) | {"changes": changes})
             print(line, flush=True)
             if arguments.ledger:
                 with arguments.ledger.open("a") as file:

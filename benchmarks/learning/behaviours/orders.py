@@ -23,6 +23,7 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.learning.behaviours.games import Array, PlayedGames, load_games, tasks_of
+from tril.vocabulary.answers import Answer
 from tril.vocabulary.sentences import tell
 from tril.vocabulary.understanding import understand
 
@@ -49,13 +50,13 @@ class Outcome:
     told: tuple[str, ...]
 
 
-def tau_b(found: Array, truth: Array) -> float:
+def tau_b(values: Array, truth: Array) -> float:
     """Return Kendall's tau-b of two rows of values; ties count in neither's favour."""
-    first, second = np.triu_indices(len(found), 1)
-    of_found = np.sign(found[first] - found[second])
+    first, second = np.triu_indices(len(values), 1)
+    of_values = np.sign(values[first] - values[second])
     of_truth = np.sign(truth[first] - truth[second])
-    n_pairs = np.sqrt(max((of_found != 0).sum(), 1) * max((of_truth != 0).sum(), 1))
-    return float((of_found * of_truth).sum() / n_pairs)
+    n_pairs = np.sqrt(max((of_values != 0).sum(), 1) * max((of_truth != 0).sum(), 1))
+    return float((of_values * of_truth).sum() / n_pairs)
 
 
 def ranked_by_person(
@@ -94,10 +95,11 @@ def examine(played: PlayedGames, task: int, cell: tuple[int, int, int], seed: in
     told = tell(played.words, understood.posterior, played.game)
     values = understood.value(played.summaries)
     varied = others[n_sorted:]
-    clicks = [
-        tau_b(understood.given(*one.groups).value(played.summaries)[unseen], worth[unseen])
-        for one in told
-    ]
+    clicks = []
+    for one in told:
+        meant = [Answer(frozenset(one.subjects), meant=True)]
+        agreed = understand(played.words, played.summaries, tiers, best.tolist(), meant)
+        clicks.append(tau_b(agreed.value(played.summaries)[unseen], worth[unseen]))
     return Outcome(
         played.game.name,
         name,

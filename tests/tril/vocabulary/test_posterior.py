@@ -40,15 +40,22 @@ def test_choices_of_tiers_leave_out_equals_and_what_was_chosen_before() -> None:
     assert choices.log_chance == pytest.approx(-np.log(4 * 2 * 2))
 
 
+def mean_value(posterior: Posterior, values: np.ndarray) -> np.ndarray:
+    """Return the values of games averaged over statements."""
+    value = np.zeros(len(values))
+    for one in posterior.statements:
+        value += one.probability * (values[:, one.columns] @ one.weights)
+    return value
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_the_group_that_orders_the_games_is_found(seed: int) -> None:
-    values, posterior = inferred(seed, group=7)
+    _, posterior = inferred(seed, group=7)
     assert 7 in posterior.statements[0].groups
     assert posterior.log_odds > 2
     unseen = facts(np.random.default_rng(100 + seed), 200)
-    agreement = np.corrcoef(posterior.value(unseen), unseen[:, GROUPS[7][1]])[0, 1]
+    agreement = np.corrcoef(mean_value(posterior, unseen), unseen[:, GROUPS[7][1]])[0, 1]
     assert agreement > 0.6
-    assert len(posterior.value(values)) == len(values)
 
 
 def test_a_sum_of_two_groups_is_found_as_two() -> None:
@@ -67,20 +74,13 @@ def test_orders_by_chance_are_mostly_told_from_sense() -> None:
     assert np.mean(np.array(odds) > 0) <= 0.2
 
 
-def test_probabilities_add_up_and_answers_change_them() -> None:
+def test_probabilities_add_up() -> None:
     _, posterior = inferred(0, group=7)
     assert sum(one.probability for one in posterior.statements) == pytest.approx(1, abs=0.05)
-    meant = posterior.given(7)
-    assert all(7 in one.groups for one in meant.statements)
-    assert sum(one.probability for one in meant.statements) == pytest.approx(1)
-    other = posterior.without(7)
-    assert not any(7 in one.groups for one in other.statements)
-    with pytest.raises(ValueError, match="No statement"):
-        posterior.given(7, 8, 9)
 
 
 def test_ties_say_nothing_of_their_order() -> None:
     values = facts(np.random.default_rng(5), 6)
     tied = infer(values, GROUPS, EQUAL, Choices.of_tiers([[0, 1, 2], [3, 4, 5]], 6))
     turned = infer(values, GROUPS, EQUAL, Choices.of_tiers([[2, 0, 1], [5, 3, 4]], 6))
-    assert tied.value(values) == pytest.approx(turned.value(values), abs=1e-3)
+    assert mean_value(tied, values) == pytest.approx(mean_value(turned, values), abs=1e-3)

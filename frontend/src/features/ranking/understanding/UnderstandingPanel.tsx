@@ -6,6 +6,7 @@ import { messageOf } from "@/api/client";
 import type { StatementAnswer, Understanding, UnderstoodStatement } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Icon } from "@/components/controls/Icon";
+import { ShareBar } from "@/components/ShareBar";
 import type { Tiers } from "@/features/ranking/order/order";
 import { useGame } from "@/games/game";
 import { percent, percentDone } from "@/lib/format";
@@ -72,9 +73,7 @@ export function UnderstandingPanel({ behaviourId, tiers, perfect }: Understandin
                   )}
                 </span>
                 <span className={styles.share}>
-                  <span className={styles.bar} aria-hidden="true">
-                    <span style={{ inlineSize: percent(statement.probability) }} />
-                  </span>
+                  <ShareBar share={statement.probability} />
                   {percent(statement.probability, 0)}
                 </span>
                 <span className={styles.choice}>
@@ -198,8 +197,7 @@ function Situation({ told, error }: { told: Understanding | undefined; error: un
       return (
         <p>
           <Trans>
-            What the better games have, the most likely first. You need not answer. An answer counts
-            as much as about a dozen games.
+            What the better games have, the most likely first. You need not answer.
           </Trans>
         </p>
       );

@@ -2,6 +2,7 @@ import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 
 import type { RankingCheck } from "@/api/types";
+import { ShareBar } from "@/components/ShareBar";
 import { percent } from "@/lib/format";
 
 import styles from "./Statements.module.css";
@@ -17,9 +18,7 @@ export function Statements({ statements, answers }: Pick<RankingCheck, "statemen
         {statements.map(({ sentence, probability }) => (
           <li key={sentence}>
             <span className={styles.sentence}>{sentence}</span>
-            <span className={styles.bar} aria-hidden="true">
-              <span style={{ inlineSize: percent(probability) }} />
-            </span>
+            <ShareBar share={probability} />
             <span className={styles.share}>{percent(probability, 0)}</span>
           </li>
         ))}
