@@ -13,12 +13,13 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
+from sqlalchemy.exc import SQLAlchemyError
 
 from server.play.replays import ReplayProcess
 from server.play.replays.request import Told, UnderstandRequest
 from server.replay_cache import ReplayCache
 from server.vocabularies import VocabularyMaker
-from tril.errors import Invalid, NotFound
+from tril.errors import Invalid, NotFound, Unavailable
 from tril.games.base import Game
 from tril.recording import Recording
 from tril.vocabulary.answers import Answer
@@ -205,9 +206,9 @@ class OrderReader:
             _LOG.warning("Recording %d is left out of what Tril understands: %s", key, refusal)
             with self._lock:
                 self._refused.add(entry)
-        except Exception:
+        except (Unavailable, SQLAlchemyError) as failure:
             # Tried again when it is next asked for.
-            _LOG.exception("Recording %d could not be watched.", key)
+            _LOG.warning("Recording %d is not watched yet: %s", key, failure)
         else:
             with self._lock:
                 self._facts[entry] = facts

@@ -196,9 +196,7 @@ function Situation({ told, error }: { told: Understanding | undefined; error: un
         );
       return (
         <p>
-          <Trans>
-            What the better games have, the most likely first. You need not answer.
-          </Trans>
+          <Trans>What the better games have, the most likely first. You need not answer.</Trans>
         </p>
       );
   }
