@@ -13,6 +13,7 @@ from collections.abc import Collection, Sequence
 import numpy as np
 import numpy.typing as npt
 import torch
+from torch import nn
 from torch.nn import functional as F
 
 from trainer.nn.checkpoints import check_finite
@@ -31,9 +32,11 @@ PROBABILITY_READ = 0.95
 """The network reads the facts of the most probable statements, until they have this together."""
 MOST_FACTS_READ = 96
 BATCH_SIZE = 128
+N_SCALING = 256
+"""Observations by which the layers are scaled before they learn."""
 LEARNING_RATE = 1e-3
 _CURVE_INTERVAL = 50
-_WEIGHTS, _BATCHES = 0, 1
+_WEIGHTS, _BATCHES, _SCALING = 0, 1, 2
 """Numbers of the random streams."""
 
 
@@ -85,6 +88,14 @@ class StatementTrainer:
         with torch_seeded(np.random.default_rng([*self._seed, _WEIGHTS])):
             network = RewardNetwork(len(read)).to(self._device)
         observations, facts = self._reading_lessons(read)
+        rng = np.random.default_rng([*self._seed, _SCALING])
+        sample = [
+            game[rng.integers(len(game))]
+            for game in map(
+                observations.__getitem__, rng.integers(len(observations), size=N_SCALING)
+            )
+        ]
+        scale_layers(network, np.stack(sample))
         self._learn_to_read(network, observations, facts, coefficients, progress)
         with torch.no_grad():
             weight = torch.from_numpy(coefficients[None]).to(network.output.weight)
@@ -152,6 +163,35 @@ class StatementTrainer:
             if update % _CURVE_INTERVAL == 0 or update == self._updates:
                 values = {"loss": float(loss.item())}
             progress.advance(update, self._updates, values)
+
+
+@torch.no_grad()
+def scale_layers(network: RewardNetwork, observations: npt.NDArray[np.uint8]) -> None:
+    """Scale and shift each layer so that its units have mean 0 and variance 1 on observations.
+
+    Layer-sequential unit-variance initialisation (Mishkin and Matas 2016, section 2), without its
+    orthogonal weights and with means. Where the background is bright, PyTorch's initialisation
+    gives hidden layers that are the same on all screens, and nothing is ever read.
+
+    Args:
+        network: Changed in place.
+        observations: uint8 (N, 4, 84, 84).
+    """
+    screens = channels_last_screens(observations).to(device_of(network))
+    inputs = screens.to(torch.float32, memory_format=torch.channels_last)
+    layers: tuple[nn.Conv2d | nn.Linear, ...] = (*network.layers, network.hidden)
+    for layer in layers:
+        if layer is network.hidden:
+            inputs = inputs.flatten(1)
+        is_first = layer is network.layers[0]
+        values = network.first(inputs) if is_first else layer(inputs)
+        # Convolutions: (N, channels, height, width), the hidden layer: (N, units).
+        over = [dim for dim in range(values.dim()) if dim != 1]
+        mean, deviation = values.mean(over), values.std(over).clamp_min(1e-2)
+        layer.weight.div_(deviation.reshape(-1, *[1] * (layer.weight.dim() - 1)))
+        assert layer.bias is not None
+        layer.bias.sub_(mean).div_(deviation)
+        inputs = F.leaky_relu(network.first(inputs) if is_first else layer(inputs))
 
 
 def facts_read(understanding: Understanding) -> npt.NDArray[np.int64]:
