@@ -34,9 +34,11 @@ MOST_FACTS_READ = 96
 BATCH_SIZE = 128
 N_SCALING = 256
 """Observations by which the layers are scaled before they learn."""
+LEAST_DEVIATION = 1e-2
+"""Units that hardly vary are not scaled to a variance of 1."""
 LEARNING_RATE = 1e-3
 _CURVE_INTERVAL = 50
-_WEIGHTS, _BATCHES, _SCALING = 0, 1, 2
+_WEIGHTS, _BATCHES = 0, 1
 """Numbers of the random streams."""
 
 
@@ -88,14 +90,6 @@ class StatementTrainer:
         with torch_seeded(np.random.default_rng([*self._seed, _WEIGHTS])):
             network = RewardNetwork(len(read)).to(self._device)
         observations, facts = self._reading_lessons(read)
-        rng = np.random.default_rng([*self._seed, _SCALING])
-        sample = [
-            game[rng.integers(len(game))]
-            for game in map(
-                observations.__getitem__, rng.integers(len(observations), size=N_SCALING)
-            )
-        ]
-        scale_layers(network, np.stack(sample))
         self._learn_to_read(network, observations, facts, coefficients, progress)
         with torch.no_grad():
             weight = torch.from_numpy(coefficients[None]).to(network.output.weight)
@@ -141,6 +135,8 @@ class StatementTrainer:
         assert network.memory is not None
         order = rng.permutation(len(place))
         begin = 0
+        sample = np.stack([observations[game][step] for game, step in place[order[:N_SCALING]]])
+        scale_layers(network, sample)
         for update in range(1, self._updates + 1):
             if begin + BATCH_SIZE > len(order):
                 order, begin = rng.permutation(len(place)), 0
@@ -178,20 +174,20 @@ def scale_layers(network: RewardNetwork, observations: npt.NDArray[np.uint8]) ->
         observations: uint8 (N, 4, 84, 84).
     """
     screens = channels_last_screens(observations).to(device_of(network))
-    inputs = screens.to(torch.float32, memory_format=torch.channels_last)
+    inputs = screens.to(torch.float32, memory_format=torch.channels_last) / 255.0
     layers: tuple[nn.Conv2d | nn.Linear, ...] = (*network.layers, network.hidden)
     for layer in layers:
         if layer is network.hidden:
             inputs = inputs.flatten(1)
-        is_first = layer is network.layers[0]
-        values = network.first(inputs) if is_first else layer(inputs)
+        values = layer(inputs)
         # Convolutions: (N, channels, height, width), the hidden layer: (N, units).
         over = [dim for dim in range(values.dim()) if dim != 1]
-        mean, deviation = values.mean(over), values.std(over).clamp_min(1e-2)
+        deviation, mean = torch.std_mean(values, over, keepdim=True)
+        deviation = deviation.clamp_min(LEAST_DEVIATION)
         layer.weight.div_(deviation.reshape(-1, *[1] * (layer.weight.dim() - 1)))
         assert layer.bias is not None
-        layer.bias.sub_(mean).div_(deviation)
-        inputs = F.leaky_relu(network.first(inputs) if is_first else layer(inputs))
+        layer.bias.sub_(mean.flatten()).div_(deviation.flatten())
+        inputs = F.leaky_relu((values - mean) / deviation)
 
 
 def facts_read(understanding: Understanding) -> npt.NDArray[np.int64]:
