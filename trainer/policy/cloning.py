@@ -6,12 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 import torch
 from torch import Tensor
 from torch.nn import functional as F
 
 from trainer.nn.checkpoints import check_finite
 from trainer.nn.devices import CPU, device_of, forward_batch
+from trainer.nn.scaling import N_SCREENS
 from trainer.nn.screens import channels_last_screens, take_screens
 from trainer.policy.networks import ScreenPolicy, new_policy, pretrained_policy
 from trainer.progress import Progress
@@ -105,6 +107,8 @@ def train_clone(
             policy.freeze_convolutions()
     else:
         policy = new_policy(recipe.network, n_actions, recipe.learning_rate, rng, device)
+        if recipe.scale_layers:
+            policy.scale_layers(_sample(learned, rng))
     best: tuple[float, dict[str, Tensor], CloneResult] | None = None
     for epoch in range(1, recipe.epochs + 1):
         loss, accuracy = _train_epoch(policy, transitions, recipe, epoch, rng, progress)
@@ -139,6 +143,12 @@ def _split(
         [t for i, t in enumerate(trajectories) if i not in held_out],
         [t for i, t in enumerate(trajectories) if i in held_out],
     )
+
+
+def _sample(trajectories: Sequence[Trajectory], rng: np.random.Generator) -> npt.NDArray[np.uint8]:
+    """Return some of the observations, uint8 (N_SCREENS or fewer, 4, 84, 84)."""
+    observations = np.concatenate([trajectory.observations for trajectory in trajectories])
+    return observations[rng.permutation(len(observations))[:N_SCREENS]]
 
 
 def _train_epoch(

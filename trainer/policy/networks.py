@@ -31,6 +31,7 @@ from torch.nn import functional as F
 from trainer.nn.checkpoints import check_finite, load_tensors, save_tensors
 from trainer.nn.devices import CPU, device_of, forward_batch
 from trainer.nn.precision import Precision, layer_dtype
+from trainer.nn.scaling import scale_layers
 from trainer.nn.screens import channels_last_screens
 from trainer.nn.seeding import torch_seeded
 from tril.errors import Invalid
@@ -126,6 +127,13 @@ class ScreenPolicy(ActorCriticCnnPolicy):
         """Number of actions."""
         assert isinstance(self.action_space, spaces.Discrete)
         return int(self.action_space.n)
+
+    def scale_layers(self, observations: npt.NDArray[np.uint8]) -> None:
+        """Scale the layers below the heads on observations, uint8 (N, 4, 84, 84)."""
+        extractor = self.features_extractor
+        kinds = (nn.Conv2d, nn.Linear)
+        layers = [layer for layer in extractor.modules() if isinstance(layer, kinds)]
+        scale_layers(layers, F.relu, observations)
 
     def freeze_convolutions(self) -> None:
         """Let only the layers above the convolutions learn."""

@@ -13,11 +13,11 @@ from collections.abc import Collection, Sequence
 import numpy as np
 import numpy.typing as npt
 import torch
-from torch import nn
 from torch.nn import functional as F
 
 from trainer.nn.checkpoints import check_finite
 from trainer.nn.devices import CPU, device_of
+from trainer.nn.scaling import N_SCREENS, scale_layers
 from trainer.nn.screens import channels_last_screens
 from trainer.nn.seeding import torch_seeded
 from trainer.progress import Progress
@@ -32,10 +32,6 @@ PROBABILITY_READ = 0.95
 """The network reads the facts of the most probable statements, until they have this together."""
 MOST_FACTS_READ = 96
 BATCH_SIZE = 128
-N_SCALING = 256
-"""Observations by which the layers are scaled before they learn."""
-LEAST_DEVIATION = 1e-2
-"""Units that hardly vary are not scaled to a variance of 1."""
 LEARNING_RATE = 1e-3
 _CURVE_INTERVAL = 50
 _WEIGHTS, _BATCHES = 0, 1
@@ -135,8 +131,8 @@ class StatementTrainer:
         assert network.memory is not None
         order = rng.permutation(len(place))
         begin = 0
-        sample = np.stack([observations[game][step] for game, step in place[order[:N_SCALING]]])
-        scale_layers(network, sample)
+        sample = np.stack([observations[game][step] for game, step in place[order[:N_SCREENS]]])
+        scale_layers((*network.layers, network.hidden), F.leaky_relu, sample)
         for update in range(1, self._updates + 1):
             if begin + BATCH_SIZE > len(order):
                 order, begin = rng.permutation(len(place)), 0
@@ -159,35 +155,6 @@ class StatementTrainer:
             if update % _CURVE_INTERVAL == 0 or update == self._updates:
                 values = {"loss": float(loss.item())}
             progress.advance(update, self._updates, values)
-
-
-@torch.no_grad()
-def scale_layers(network: RewardNetwork, observations: npt.NDArray[np.uint8]) -> None:
-    """Scale and shift each layer so that its units have mean 0 and variance 1 on observations.
-
-    Layer-sequential unit-variance initialisation (Mishkin and Matas 2016, section 2), without its
-    orthogonal weights and with means. Where the background is bright, PyTorch's initialisation
-    gives hidden layers that are the same on all screens, and nothing is ever read.
-
-    Args:
-        network: Changed in place.
-        observations: uint8 (N, 4, 84, 84).
-    """
-    screens = channels_last_screens(observations).to(device_of(network))
-    inputs = screens.to(torch.float32, memory_format=torch.channels_last) / 255.0
-    layers: tuple[nn.Conv2d | nn.Linear, ...] = (*network.layers, network.hidden)
-    for layer in layers:
-        if layer is network.hidden:
-            inputs = inputs.flatten(1)
-        values = layer(inputs)
-        # Convolutions: (N, channels, height, width), the hidden layer: (N, units).
-        over = [dim for dim in range(values.dim()) if dim != 1]
-        deviation, mean = torch.std_mean(values, over, keepdim=True)
-        deviation = deviation.clamp_min(LEAST_DEVIATION)
-        layer.weight.div_(deviation.reshape(-1, *[1] * (layer.weight.dim() - 1)))
-        assert layer.bias is not None
-        layer.bias.sub_(mean.flatten()).div_(deviation.flatten())
-        inputs = F.leaky_relu((values - mean) / deviation)
 
 
 def facts_read(understanding: Understanding) -> npt.NDArray[np.int64]:

@@ -128,18 +128,23 @@ GAIL = replace(
 
 RECIPES: dict[str, Recipe] = {recipe.name: recipe for recipe in (FAST, ANY, PAPER, DAGGER, GAIL)}
 
+
+def _unprepared(cloning: CloningRecipe) -> CloningRecipe:
+    return replace(cloning, pretrained=False, freeze_convolutions=False, scale_layers=True)
+
+
 _FROM_SCREENS: dict[str, Recipe] = {
     ANY.name: replace(
         ANY,
         policy=replace(ANY.policy, freeze_convolutions=False),
-        cloning=replace(ANY.cloning, pretrained=False, freeze_convolutions=False),
+        cloning=_unprepared(ANY.cloning),
     ),
     PAPER.name: PAPER,
     GAIL.name: replace(
         GAIL,
         reward=PAPER.reward,
         policy=replace(GAIL.policy, freeze_convolutions=False),
-        cloning=replace(GAIL.cloning, pretrained=False, freeze_convolutions=False),
+        cloning=_unprepared(GAIL.cloning),
     ),
 }
 

@@ -240,6 +240,8 @@ class CloningRecipe:
         pretrained: Whether it begins with the policy that ships with Tril, which has learned to
             survive, see trainer.policy.pretraining.
         freeze_convolutions: Whether the convolutions of that policy stay as they are.
+        scale_layers: Whether layers that begin at random are scaled on the demonstrations' screens
+            first, see trainer.nn.scaling.
     """
 
     network: Network = "nature"
@@ -250,6 +252,7 @@ class CloningRecipe:
     patience: Count = 8
     pretrained: Flag = False
     freeze_convolutions: Flag = False
+    scale_layers: Flag = False
 
     @model_validator(mode="after")
     def _check_start(self) -> CloningRecipe:

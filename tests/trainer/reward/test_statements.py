@@ -7,12 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import torch
 
-from trainer.nn.seeding import torch_seeded
 from trainer.progress import NullProgress
 from trainer.reward.check import check_ranking
-from trainer.reward.model import RewardModel, RewardNetwork
+from trainer.reward.model import RewardModel
 from trainer.reward.preference_dataset import (
     GameFacts,
     ObservedTrajectory,
@@ -20,7 +18,7 @@ from trainer.reward.preference_dataset import (
     PreferenceDataset,
 )
 from trainer.reward.reward_trainer import train_reward_model
-from trainer.reward.statements import facts_read, scale_layers, understanding_of
+from trainer.reward.statements import facts_read, understanding_of
 from tril.games import game_named
 from tril.recipes import RewardRecipe
 from tril.recording import Recording, Trajectory, trajectory
@@ -105,24 +103,6 @@ def test_the_reward_is_a_network_that_is_saved_and_says_how_sure_it_is(
     assert check.log_odds is not None
     assert check.held_out_accuracy is not None
     assert set(check.final_levels) == set(range(10))
-
-
-def test_layers_are_scaled_so_that_a_bright_background_hides_nothing() -> None:
-    screens = np.full((64, 4, 84, 84), 140, np.uint8)
-    for row, screen in enumerate(screens):
-        screen[:, 10 + row : 18 + row, 70:73] = 190
-    with torch_seeded(np.random.default_rng(0)):
-        network = RewardNetwork(3)
-
-    def deviations() -> float:
-        pixels = torch.from_numpy(screens).float()
-        with torch.no_grad():
-            second = network.layers[1](torch.nn.functional.leaky_relu(network.first(pixels)))
-            return float(network.hidden_values(second).std(0).mean())
-
-    assert deviations() < 0.05
-    scale_layers(network, screens)
-    assert deviations() > 0.3
 
 
 def test_the_same_seed_gives_the_same_network(
