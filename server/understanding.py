@@ -23,7 +23,6 @@ from tril.errors import Invalid, NotFound, Unavailable
 from tril.games.base import Game
 from tril.recording import Recording
 from tril.vocabulary.answers import Answer
-from tril.vocabulary.understanding import PASSING_LOG_ODDS
 
 _LOG = logging.getLogger(__name__)
 
@@ -163,7 +162,7 @@ class OrderReader:
         return OrderUnderstood(
             State.READY,
             statements=understood.statements,
-            is_sense=understood.log_odds >= PASSING_LOG_ODDS,
+            is_sense=understood.is_sense,
             values=values,
             contradiction=strongest_contradiction(order, values),
         )

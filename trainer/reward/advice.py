@@ -11,7 +11,7 @@ MAX_NAMED = 6
 
 _ALIENS_ALONE = (
     " This recipe considers only which aliens are hit. If you ranked by something else, such as"
-    " where the cannon stands or how often it shoots, try the recipe paper, which takes hours."
+    " where the cannon stands or how often it shoots, train with the recipe any."
 )
 
 
@@ -25,7 +25,7 @@ def advice(check: RankingCheck, *, aliens_alone: bool = False) -> str:
     if check.passed:
         return ""
     pairs = list(dict.fromkeys((pair.better, pair.worse) for pair in check.confused))
-    if check.log_odds is not None:
+    if check.by_shuffles:
         contradicting = (
             f" Look first at tiers {_named(pairs[:1])}, which contradict the rest most."
             if pairs

@@ -24,7 +24,15 @@ from trainer.progress import Progress
 from trainer.reward.fragment_logits import Seed
 from trainer.reward.model import RewardNetwork, Spread
 from trainer.reward.preference_dataset import PreferenceDataset
-from tril.vocabulary.understanding import Understanding, understand
+from tril.vocabulary.answers import Answer
+from tril.vocabulary.facts import Vocabulary
+from tril.vocabulary.posterior import Tiers
+from tril.vocabulary.understanding import (
+    Summaries,
+    Understanding,
+    surpasses_chance,
+    understand,
+)
 
 Array = npt.NDArray[np.float64]
 
@@ -48,10 +56,26 @@ def understanding_of(dataset: PreferenceDataset, held_out: Collection[int] = ())
     Raises:
         Invalid: There are fewer than two tiers.
     """
+    return understand(*_ordered_games(dataset, held_out))
+
+
+def order_surpasses_chance(dataset: PreferenceDataset) -> bool:
+    """Return whether statements explain the order of a dataset's games better than shuffled ones.
+
+    Raises:
+        Invalid: There are fewer than two tiers.
+    """
+    return surpasses_chance(*_ordered_games(dataset))
+
+
+def _ordered_games(
+    dataset: PreferenceDataset, held_out: Collection[int] = ()
+) -> tuple[Vocabulary, Summaries, Tiers, Sequence[int], Sequence[Answer]]:
+    """Return the arguments of ``tril.vocabulary.understanding.understand``."""
     kept = dataset.without(held_out)
     games = tuple(dict.fromkeys((*kept.ranked, *kept.perfect)))
     row_of = {index: row for row, index in enumerate(games)}
-    return understand(
+    return (
         dataset.words,
         np.stack([dataset.summary(index) for index in games]),
         [[row_of[index] for index in tier] for tier in kept.tiers],

@@ -34,6 +34,9 @@ TOLERANCE = 1e-4
 """Change of the weights below which a fit is done."""
 
 
+NOTHING_LEFT = "Nothing is left that the order could be about: undo an answer."
+
+
 class NothingPossible(Invalid):
     """No statement is allowed."""
 
@@ -86,11 +89,6 @@ class Choices:
             np.concatenate([self.weight, other.weight]),
         )
 
-    @property
-    def log_chance(self) -> float:
-        """Log of the probability of these choices if each is drawn blindly."""
-        return float(-self.weight @ np.log(self.among.sum(1)))
-
 
 @dataclass(frozen=True)
 class Statement:
@@ -115,12 +113,9 @@ class Posterior:
 
     Attributes:
         statements: The most probable first; their probabilities add up to nearly 1.
-        log_odds: Of the order being about some statement, rather than drawn blindly: the log of
-            the ratio of the two evidences.
     """
 
     statements: tuple[Statement, ...]
-    log_odds: float
 
 
 def infer(
@@ -144,12 +139,7 @@ def infer(
     Raises:
         NothingPossible: No statement is allowed.
     """
-    # Games that were chosen from nothing only cost time.
-    used = np.flatnonzero(choices.among.any(0))
-    row = np.full(len(values), -1)
-    row[used] = np.arange(len(used))
-    choices = Choices(row[choices.chosen], choices.among[:, used], choices.weight)
-    values = values[used]
+    values, choices = _without_unused(values, choices)
     keys: list[tuple[int, ...]] = [(index,) for index in range(len(groups))]
     log_p = np.asarray(log_prior, np.float64)
     weights, log_evidence = _fit(values, groups, choices)
@@ -169,7 +159,7 @@ def infer(
     log_joint = np.where([allow(key) for key in keys], log_joint, -np.inf)
     log_total = float(np.logaddexp.reduce(log_joint))
     if log_total == -np.inf:
-        raise NothingPossible("Nothing is left that the order could be about: undo an answer.")
+        raise NothingPossible(NOTHING_LEFT)
     columns_of = [*groups, *joint]
     statements = tuple(
         Statement(
@@ -181,7 +171,35 @@ def infer(
         for index in np.argsort(-log_joint)[:N_KEPT].tolist()
         if log_joint[index] > -np.inf
     )
-    return Posterior(statements, log_total - choices.log_chance)
+    return Posterior(statements)
+
+
+def log_evidence(
+    values: Array,
+    groups: Sequence[npt.NDArray[np.int64]],
+    log_prior: Array,
+    choices: Choices,
+) -> float:
+    """Return the log probability of an order, averaged over statements about a single group.
+
+    Args:
+        values: As in ``infer``.
+        groups: As in ``infer``.
+        log_prior: As in ``infer``.
+        choices: As in ``infer``.
+    """
+    possible = np.flatnonzero(log_prior > -np.inf).tolist()
+    values, choices = _without_unused(values, choices)
+    _, evidence = _fit(values, [groups[index] for index in possible], choices)
+    return float(np.logaddexp.reduce(log_prior[possible] + evidence))
+
+
+def _without_unused(values: Array, choices: Choices) -> tuple[Array, Choices]:
+    """Leave out games that are never chosen from, which only cost time."""
+    used = np.flatnonzero(choices.among.any(0))
+    row = np.full(len(values), -1)
+    row[used] = np.arange(len(used))
+    return values[used], Choices(row[choices.chosen], choices.among[:, used], choices.weight)
 
 
 def _fit(

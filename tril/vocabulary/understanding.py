@@ -11,11 +11,20 @@ import numpy.typing as npt
 from tril.errors import Invalid
 from tril.vocabulary.answers import Answer, Conditions
 from tril.vocabulary.facts import Vocabulary
-from tril.vocabulary.posterior import Choices, Posterior, Statement, Tiers, infer
+from tril.vocabulary.posterior import (
+    NOTHING_LEFT,
+    Choices,
+    NothingPossible,
+    Posterior,
+    Statement,
+    Tiers,
+    infer,
+    log_evidence,
+)
 
 Array = npt.NDArray[np.float64]
-PASSING_LOG_ODDS = 0.0
-"""From which on an order is about something; see docs/decisions/26-statements.md."""
+N_SHUFFLES = 19
+"""Shuffled orders that an order is compared with: one drawn blindly surpasses all of them in 5%."""
 
 Summaries = npt.NDArray[np.float32]
 """Facts of games, float32 (n_games, n_facts), as `Vocabulary.summary` returns them."""
@@ -87,31 +96,116 @@ def understand(
         Invalid: There are fewer than two tiers.
         NothingPossible: The answers exclude all statements.
     """
-    if len(tiers) < 2:
-        raise Invalid("Expected at least two tiers: rank one game above another.")
-    pool = words.pool[:N_COMPARED]
-    games = np.concatenate([summaries, pool]).astype(np.float64)
-    spread = words.spread(summaries)
-    values = (games - games.mean(0)) / spread
-    choices = Choices.of_tiers(tiers, len(values))
-    if len(best):
-        varied = list(range(len(summaries), len(values)))
-        choices += Choices.of_tiers([list(best), varied], len(values), BEST_EFFORT_WEIGHT)
-    roots = [group.prior_root for group in words.groups]
-    whitened = np.concatenate(
-        [values[:, columns] @ root for columns, root in zip(words.columns, roots, strict=True)], 1
-    )
-    conditions = Conditions.of(words, answers)
+    games = _Games.of(words, summaries, best, answers)
+    conditions = games.conditions
     posterior = infer(
-        whitened,
+        games.values,
         words.columns,
         conditions.log_prior(words),
-        choices,
+        games.choices(tiers),
         conditions.allow,
         conditions.groups,
     )
+    roots = [group.prior_root for group in words.groups]
     statements = tuple(_coloured(one, roots) for one in posterior.statements)
-    return Understanding(words, replace(posterior, statements=statements), spread, conditions.meant)
+    return Understanding(
+        words, replace(posterior, statements=statements), words.spread(summaries), conditions.meant
+    )
+
+
+def surpasses_chance(
+    words: Vocabulary,
+    summaries: Summaries,
+    tiers: Tiers,
+    best: Sequence[int] = (),
+    answers: Sequence[Answer] = (),
+) -> bool:
+    """Return whether statements explain an order better than ``N_SHUFFLES`` shuffled ones.
+
+    A permutation test (Fisher 1935) of the evidence: of orders drawn blindly one in twenty passes,
+    whatever the games are like. The evidence alone does not tell, as games that are alike in many
+    ways, such as in how long they last, make many orders probable.
+
+    Args:
+        words: As in ``understand``.
+        summaries: As in ``understand``.
+        tiers: As in ``understand``.
+        best: As in ``understand``; they stay the best efforts of shuffled orders.
+        answers: As in ``understand``.
+
+    Raises:
+        Invalid: There are fewer than two tiers.
+        NothingPossible: The answers exclude all statements.
+    """
+    games = _Games.of(words, summaries, best, answers)
+    log_prior = games.conditions.log_prior(words)
+    if games.conditions.groups:
+        others = np.setdiff1d(np.arange(len(log_prior)), games.conditions.groups)
+        log_prior[others] = -np.inf
+    if not (log_prior > -np.inf).any():
+        raise NothingPossible(NOTHING_LEFT)
+
+    def evidence(order: Tiers) -> float:
+        return log_evidence(games.values, words.columns, log_prior, games.choices(order))
+
+    reached = evidence(tiers)
+    # The same games in the same order always give the same answer.
+    rng = np.random.default_rng(len(tiers))
+    ranked = [game for tier in tiers for game in tier]
+    ends = np.cumsum([len(tier) for tier in tiers])
+    for _ in range(N_SHUFFLES):
+        shuffled = np.split(rng.permutation(ranked), ends[:-1])
+        if evidence([tier.tolist() for tier in shuffled]) >= reached:
+            return False
+    return True
+
+
+@dataclass(frozen=True)
+class _Games:
+    """Games as statements see them.
+
+    Attributes:
+        values: Standardised and whitened facts, float64 (n_games + n_varied, n_facts); the varied
+            games come last.
+        n_games: Number of a person's games.
+        best: Rows of the best efforts.
+        conditions: What the answers leave possible.
+    """
+
+    values: Array
+    n_games: int
+    best: Sequence[int]
+    conditions: Conditions
+
+    @classmethod
+    def of(
+        cls,
+        words: Vocabulary,
+        summaries: Summaries,
+        best: Sequence[int],
+        answers: Sequence[Answer],
+    ) -> _Games:
+        games = np.concatenate([summaries, words.pool[:N_COMPARED]]).astype(np.float64)
+        values = (games - games.mean(0)) / words.spread(summaries)
+        whitened = np.concatenate(
+            [
+                values[:, columns] @ group.prior_root
+                for columns, group in zip(words.columns, words.groups, strict=True)
+            ],
+            1,
+        )
+        return cls(whitened, len(summaries), best, Conditions.of(words, answers))
+
+    def choices(self, tiers: Tiers) -> Choices:
+        """Return the choices of an order and of the best efforts."""
+        if len(tiers) < 2:
+            raise Invalid("Expected at least two tiers: rank one game above another.")
+        n_rows = len(self.values)
+        choices = Choices.of_tiers(tiers, n_rows)
+        if len(self.best):
+            varied = list(range(self.n_games, n_rows))
+            choices += Choices.of_tiers([list(self.best), varied], n_rows, BEST_EFFORT_WEIGHT)
+        return choices
 
 
 def _coloured(statement: Statement, roots: Sequence[Array]) -> Statement:

@@ -164,7 +164,7 @@ class Taught:
             "seed": self.seed,
             "steps": steps,
             "told": [f"{one.probability:.2f} {one.sentence}" for one in told],
-            "log_odds": check.log_odds,
+            "passed": check.passed,
             "tau": check.tau,
             "held_out": check.held_out_accuracy,
             "imitator": self.judge(imitator),

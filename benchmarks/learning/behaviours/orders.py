@@ -25,7 +25,7 @@ import numpy.typing as npt
 from benchmarks.learning.behaviours.games import Array, PlayedGames, load_games, tasks_of
 from tril.vocabulary.answers import Answer
 from tril.vocabulary.sentences import tell
-from tril.vocabulary.understanding import understand
+from tril.vocabulary.understanding import surpasses_chance, understand
 
 CELLS = ((7, 3, 0), (12, 0, 0), (12, 12, 0), (24, 0, 0), (12, 12, 20))
 """Ranked games, best efforts, sorted varied games."""
@@ -44,8 +44,8 @@ class Outcome:
     own: float
     varied: float
     one_click: float
-    log_odds: float
-    log_odds_of_noise: float
+    sense: bool
+    noise: bool
     seconds: float
     told: tuple[str, ...]
 
@@ -89,8 +89,6 @@ def examine(played: PlayedGames, task: int, cell: tuple[int, int, int], seed: in
     understood = understand(played.words, played.summaries, tiers, best.tolist())
     seconds = time.perf_counter() - began
     random = [[int(row)] for row in rng.permutation([row for tier in tiers for row in tier])]
-    noise = understand(played.words, played.summaries, random)
-    no_best = understand(played.words, played.summaries, tiers)
     unseen = np.setdiff1d(own, ranked)
     told = tell(played.words, understood.posterior, played.game)
     values = understood.value(played.summaries)
@@ -108,8 +106,8 @@ def examine(played: PlayedGames, task: int, cell: tuple[int, int, int], seed: in
         tau_b(values[unseen], worth[unseen]),
         tau_b(values[varied], worth[varied]),
         max(clicks),
-        no_best.posterior.log_odds,
-        noise.posterior.log_odds,
+        surpasses_chance(played.words, played.summaries, tiers, best.tolist()),
+        surpasses_chance(played.words, played.summaries, random, best.tolist()),
         seconds,
         tuple(f"{one.probability:.2f} {one.sentence}" for one in told[:3]),
     )
@@ -145,8 +143,8 @@ def main() -> None:
                     one.own,
                     one.varied,
                     one.one_click,
-                    one.log_odds > 0,
-                    one.log_odds_of_noise > 0,
+                    one.sense,
+                    one.noise,
                     one.seconds,
                 )
                 for one in rows

@@ -29,7 +29,7 @@ from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.posterior import NothingPossible, Tiers
 from tril.vocabulary.sentences import tell
 from tril.vocabulary.trace import trace
-from tril.vocabulary.understanding import Summaries, understand
+from tril.vocabulary.understanding import Summaries, surpasses_chance, understand
 
 
 class ReplayTask(StrEnum):
@@ -151,12 +151,12 @@ class Understood:
 
     Attributes:
         statements: The most probable first; none if the answers exclude all.
-        log_odds: Of the order being about some statement, rather than drawn blindly.
+        is_sense: Whether they explain the order better than shuffled ones.
         values: Of each game, in log odds.
     """
 
     statements: tuple[Told, ...]
-    log_odds: float
+    is_sense: bool
     values: tuple[float, ...]
 
 
@@ -235,12 +235,12 @@ def _understand(request: UnderstandRequest) -> Understood:
             words, request.summaries, request.tiers, request.best, request.answers
         )
     except NothingPossible:
-        return Understood((), 0.0, (0.0,) * len(request.summaries))
+        return Understood((), True, (0.0,) * len(request.summaries))
     return Understood(
         tuple(
             Told(one.sentence, one.probability, one.subjects, one.kinds(words))
             for one in tell(words, understanding.posterior, request.game, understanding.meant)
         ),
-        understanding.posterior.log_odds,
+        surpasses_chance(words, request.summaries, request.tiers, request.best, request.answers),
         tuple(understanding.value(request.summaries).tolist()),
     )

@@ -24,7 +24,7 @@ def test_advice_names_what_is_confused() -> None:
     assert "tiers 1 and 2, 1 and 3, 1 and 4, 1 and 5, 1 and 6, 1 and 7 and 2 more pairs" in said
     assert "other demonstrations or another order" in said
     assert "aliens" not in said
-    assert "paper, which takes hours. You can also go on" in advice(check, aliens_alone=True)
+    assert "the recipe any. You can also go on" in advice(check, aliens_alone=True)
     # The advice has named them.
     assert warning(check) == ""
 

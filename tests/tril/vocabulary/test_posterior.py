@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tril.vocabulary.posterior import Choices, Posterior, infer
+from tril.vocabulary.posterior import Choices, Posterior, infer, log_evidence
 
 N_GROUPS = 20
 WIDTH = 3
@@ -36,8 +36,6 @@ def test_choices_of_tiers_leave_out_equals_and_what_was_chosen_before() -> None:
         [1, 1, 0, 0, 0],
         [0, 1, 0, 1, 0],
     ]
-    # One of four, then twice one of two.
-    assert choices.log_chance == pytest.approx(-np.log(4 * 2 * 2))
 
 
 def mean_value(posterior: Posterior, values: np.ndarray) -> np.ndarray:
@@ -52,7 +50,6 @@ def mean_value(posterior: Posterior, values: np.ndarray) -> np.ndarray:
 def test_the_group_that_orders_the_games_is_found(seed: int) -> None:
     _, posterior = inferred(seed, group=7)
     assert 7 in posterior.statements[0].groups
-    assert posterior.log_odds > 2
     unseen = facts(np.random.default_rng(100 + seed), 200)
     agreement = np.corrcoef(mean_value(posterior, unseen), unseen[:, GROUPS[7][1]])[0, 1]
     assert agreement > 0.6
@@ -65,13 +62,11 @@ def test_a_sum_of_two_groups_is_found_as_two() -> None:
     assert set(posterior.statements[0].groups) == {4, 9}
 
 
-def test_orders_by_chance_are_mostly_told_from_sense() -> None:
-    odds = []
-    for seed in range(30):
-        rng = np.random.default_rng(seed)
-        values = facts(rng, 12)
-        odds.append(infer(values, GROUPS, EQUAL, order_by(rng.normal(size=12))).log_odds)
-    assert np.mean(np.array(odds) > 0) <= 0.2
+def test_an_order_by_a_group_has_more_evidence_than_orders_drawn_blindly() -> None:
+    rng = np.random.default_rng(0)
+    values = facts(rng, 12)
+    blind = [log_evidence(values, GROUPS, EQUAL, order_by(rng.normal(size=12))) for _ in range(19)]
+    assert log_evidence(values, GROUPS, EQUAL, order_by(values[:, GROUPS[7][1]])) > max(blind)
 
 
 def test_probabilities_add_up() -> None:
