@@ -1,4 +1,4 @@
-"""Import and export of behaviours with their recordings and every revision of the ranking.
+"""Import and export of behaviours with their recordings, rankings and answers to statements.
 
 See docs/behaviour-format.md.
 """
@@ -14,6 +14,7 @@ from tril.errors import Invalid, NotFound
 from tril.exchange.formats.behaviour_file import (
     BEHAVIOUR_FORMAT,
     BEHAVIOUR_VERSION,
+    AnswerObject,
     BehaviourObject,
     BehaviourRefused,
     NumberedRecording,
@@ -30,7 +31,7 @@ from tril.games.measuring import check_measures
 from tril.games.settings import GameSettings
 from tril.play.consoles import Consoles
 from tril.recording import RecordingRefused
-from tril.store import audit, behaviours, borrowed, players, rankings, recordings
+from tril.store import answers, audit, behaviours, borrowed, players, rankings, recordings
 from tril.store.database import Database
 from tril.store.models import (
     BehaviourRow,
@@ -38,6 +39,7 @@ from tril.store.models import (
     RecordingRow,
     RecordingState,
     Source,
+    StatementAnswerRow,
     Verification,
     now,
 )
@@ -103,6 +105,7 @@ def export_behaviour(session: Session, behaviour: BehaviourRow) -> tuple[dict[st
             for row in sound
         ],
         "rankings": [_revision(row, known, names) for row in revisions],
+        "answers": [_answer(row, names) for row in answers.current_rows(session, behaviour.id)],
     }, notices
 
 
@@ -144,6 +147,7 @@ def import_behaviour(
         ids = _add_recordings(session, row.id, given, replayed)
         revisions = [_ranking_row(session, row.id, saved, ids) for saved in given.rankings]
         rankings.restore_history(session, row.id, revisions)
+        session.add_all(_answer_row(session, row.id, answer) for answer in given.answers)
         audit.note(session, audit.Action.IMPORTED, None, f"behaviour {row.id}", recordings=len(ids))
         notices = [
             f"Recording {number}: {notice}"
@@ -199,6 +203,27 @@ def _revision(row: RankingRow, known: set[int], names: dict[int, str]) -> dict[s
         "undo_to": row.undo_to,
         "redo_to": row.redo_to,
     }
+
+
+def _answer(row: StatementAnswerRow, names: dict[int, str]) -> dict[str, Any]:
+    return {
+        "subjects": row.subjects,
+        "sentence": row.sentence,
+        "meant": row.meant,
+        "player": None if row.player_id is None else names.get(row.player_id),
+        "answered_at": row.created_at.isoformat(),
+    }
+
+
+def _answer_row(session: Session, behaviour_id: int, answer: AnswerObject) -> StatementAnswerRow:
+    return StatementAnswerRow(
+        behaviour_id=behaviour_id,
+        player_id=_player(session, answer.player),
+        subjects=sorted(set(answer.subjects)),
+        sentence=answer.sentence,
+        meant=answer.meant,
+        created_at=answer.answered_at,
+    )
 
 
 def _target(given: BehaviourObject) -> tuple[Cell, ...] | None:

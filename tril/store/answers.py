@@ -14,6 +14,14 @@ from tril.store.models import StatementAnswerRow
 
 
 def current(session: Session, behaviour_id: int) -> list[StatementAnswer]:
+    """Return what counts of a behaviour's answers, as ``current_rows`` does."""
+    return [
+        StatementAnswer(subjects=row.subjects, sentence=row.sentence, meant=bool(row.meant))
+        for row in current_rows(session, behaviour_id)
+    ]
+
+
+def current_rows(session: Session, behaviour_id: int) -> list[StatementAnswerRow]:
     """Return what counts of a behaviour's answers, the latest last.
 
     Of each statement that is the latest answer, unless it was taken back.
@@ -24,11 +32,7 @@ def current(session: Session, behaviour_id: int) -> list[StatementAnswer]:
         key = tuple(row.subjects)
         latest.pop(key, None)
         latest[key] = row
-    return [
-        StatementAnswer(subjects=row.subjects, sentence=row.sentence, meant=row.meant)
-        for row in latest.values()
-        if row.meant is not None
-    ]
+    return [row for row in latest.values() if row.meant is not None]
 
 
 def give(

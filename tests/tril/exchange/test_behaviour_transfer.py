@@ -18,7 +18,7 @@ from tril.exchange.formats.behaviour_file import BehaviourRefused, behaviour_sch
 from tril.exchange.recording_transfer import export_recordings
 from tril.games.measures import measures_from_json
 from tril.recording import verify
-from tril.store import behaviours, borrowed, players, rankings, recordings
+from tril.store import answers, behaviours, borrowed, players, rankings, recordings
 from tril.store.models import RecordingRow, Source, Verification
 from tril.store.training import runs
 
@@ -235,6 +235,26 @@ def test_measures_travel_with_a_behaviour(origin: Workplace, other: Workplace) -
     assert exported(other, result.slug)["measures"] == file["measures"]
     unknown = file | {"measures": [{"kind": "counter", "counter": "divers"}]}
     assert "no counter 'divers'" in _refused(other, json.dumps(unknown).encode())
+
+
+def test_answers_to_statements_travel_with_a_behaviour(origin: Workplace, other: Workplace) -> None:
+    with origin.database.writing() as session:
+        ada = players.owner(session).id
+        said = (["memory 28 value"], "The cannon further to the left"), (["button 0 held"], "Fire")
+        for subjects, sentence in said:
+            answers.give(session, origin.behaviour_id, subjects, sentence, True, ada)
+        answers.give(session, origin.behaviour_id, *said[1], None, ada)
+    file = exported(origin)
+    assert [(one["sentence"], one["meant"], one["player"]) for one in file["answers"]] == [
+        ("The cannon further to the left", True, "Ada")
+    ]
+    result = import_behaviour(other.database, json.dumps(file).encode(), "Again")
+    assert exported(other, result.slug)["answers"] == file["answers"]
+    with other.database.reading() as session:
+        row = behaviours.by_slug(session, result.slug)
+        assert [one.subjects for one in answers.current(session, row.id)] == [["memory 28 value"]]
+    nothing = file | {"answers": [file["answers"][0] | {"subjects": []}]}
+    assert "subjects" in _refused(other, json.dumps(nothing).encode())
 
 
 def test_unverified_recordings_are_left_out_with_a_notice(origin: Workplace) -> None:

@@ -32,12 +32,14 @@ from tril.exchange.formats.recording_object import (
 from tril.games.base import MAX_FRAMES
 from tril.recording import RecordingRefused
 from tril.text import Line
+from tril.vocabulary.answers import MOST_SUBJECTS
 
 BEHAVIOUR_FORMAT = "tril-behaviour"
 BEHAVIOUR_VERSION = 2
 
 MAX_RECORDINGS = 10_000
 MAX_REVISIONS = 100_000
+MAX_ANSWERS = 1_000
 
 _Number = Annotated[int, Field(ge=1, le=2**31 - 1)]
 _Time = Annotated[Moment, Field(strict=False)]
@@ -96,6 +98,20 @@ class RevisionObject(_ClosedModel):
     redo_to: int | None = Field(default=None, ge=1, description="What a redo brings back.")
 
 
+class AnswerObject(_ClosedModel):
+    """What a person said of a statement that Tril made about the ranking."""
+
+    model_config = ConfigDict(title="Answer")
+
+    subjects: list[Annotated[Line, Field(min_length=1, max_length=120)]] = Field(
+        min_length=1, max_length=MOST_SUBJECTS, description="What the statement is about."
+    )
+    sentence: Line = Field(min_length=1, max_length=400, description="What they read.")
+    meant: bool = Field(description="Whether it is what they mean.")
+    player: Line | None = Field(default=None, min_length=1, max_length=80)
+    answered_at: _Time
+
+
 class BehaviourObject(_ClosedModel):
     """One behaviour of Tril with all that was played and ranked of it, see behaviour-format.md."""
 
@@ -122,6 +138,9 @@ class BehaviourObject(_ClosedModel):
     recordings: list[NumberedRecording] = Field(max_length=MAX_RECORDINGS)
     rankings: list[RevisionObject] = Field(
         max_length=MAX_REVISIONS, description="Every revision, from 1 on; the last is in force."
+    )
+    answers: list[AnswerObject] = Field(
+        default=[], max_length=MAX_ANSWERS, description="The latest one of each statement."
     )
 
 
