@@ -139,20 +139,19 @@ def infer(
     Raises:
         NothingPossible: No statement is allowed.
     """
-    values, choices = _without_unused(values, choices)
     keys: list[tuple[int, ...]] = [(index,) for index in range(len(groups))]
     log_p = np.asarray(log_prior, np.float64)
-    weights, log_evidence = _fit(values, groups, choices)
-    fitted = [weights[index, : len(groups[index])] for index in range(len(groups))]
-    singles = log_p + log_evidence
+    fits = _fit(values, groups, choices)
+    fitted = [fits.weights[index, : len(groups[index])] for index in range(len(groups))]
+    singles = log_p + fits.log_evidence
     best = sorted({*np.argsort(-singles)[:N_PAIRED].tolist(), *paired})
     pairs = [pair for pair in combinations(best, 2) if allow(pair)]
     joint = [np.concatenate([groups[one], groups[other]]) for one, other in pairs]
     if pairs:
-        weights, log_evidence = _fit(values, joint, choices)
-        fitted += [weights[index, : len(columns)] for index, columns in enumerate(joint)]
+        fits = _fit(values, joint, choices)
+        fitted += [fits.weights[index, : len(columns)] for index, columns in enumerate(joint)]
         keys += pairs
-        of_pairs = log_evidence + [log_p[one] + log_p[other] for one, other in pairs]
+        of_pairs = fits.log_evidence + [log_p[one] + log_p[other] for one, other in pairs]
         log_joint = np.concatenate([singles, of_pairs])
     else:
         log_joint = singles
@@ -174,24 +173,67 @@ def infer(
     return Posterior(statements)
 
 
-def log_evidence(
-    values: Array,
-    groups: Sequence[npt.NDArray[np.int64]],
-    log_prior: Array,
-    choices: Choices,
-) -> float:
-    """Return the log probability of an order, averaged over statements about a single group.
+class Evidence:
+    """The evidence for orders of the same games, averaged over statements about a single group.
 
     Args:
         values: As in ``infer``.
         groups: As in ``infer``.
         log_prior: As in ``infer``.
-        choices: As in ``infer``.
+        known: Choices that are known beside each order.
     """
-    possible = np.flatnonzero(log_prior > -np.inf).tolist()
-    values, choices = _without_unused(values, choices)
-    _, evidence = _fit(values, [groups[index] for index in possible], choices)
-    return float(np.logaddexp.reduce(log_prior[possible] + evidence))
+
+    def __init__(
+        self,
+        values: Array,
+        groups: Sequence[npt.NDArray[np.int64]],
+        log_prior: Array,
+        known: Choices | None = None,
+    ) -> None:
+        possible = np.flatnonzero(log_prior > -np.inf).tolist()
+        self._values = values
+        self._groups = [groups[index] for index in possible]
+        self._log_prior = log_prior[possible]
+        self._prior = _prior(self._groups)
+        if known is not None:
+            self._prior = _fit(values, self._groups, known, self._prior)
+            self._log_prior = self._log_prior + self._prior.log_evidence
+
+    def log_evidence(self, choices: Choices) -> float:
+        """Return the log probability of an order, given the known choices but for a constant.
+
+        What is known counts by Laplace's approximation, a Gaussian prior of the weights.
+        """
+        fits = _fit(self._values, self._groups, choices, self._prior)
+        return float(np.logaddexp.reduce(self._log_prior + fits.log_evidence))
+
+
+@dataclass(frozen=True)
+class _Fits:
+    """Weights of each group: the most probable ones, and how sure they are.
+
+    Groups are filled up to the widest with weights that change nothing.
+
+    Attributes:
+        weights: float64 (n_groups, width).
+        precision: Minus the Hessian of the log posterior there, float64 (n_groups, width, width).
+        log_evidence: Log of each group's evidence, float64 (n_groups,).
+    """
+
+    weights: Array
+    precision: Array
+    log_evidence: Array
+
+
+def _prior(groups: Sequence[npt.NDArray[np.int64]]) -> _Fits:
+    width = max(len(columns) for columns in groups)
+    # The sum of n standardised facts then has the prior's standard deviation.
+    scale = np.array([len(columns) for columns in groups]) / PRIOR_SD**2
+    return _Fits(
+        np.zeros((len(groups), width)),
+        scale[:, None, None] * np.eye(width),
+        np.zeros(len(groups)),
+    )
 
 
 def _without_unused(values: Array, choices: Choices) -> tuple[Array, Choices]:
@@ -203,47 +245,54 @@ def _without_unused(values: Array, choices: Choices) -> tuple[Array, Choices]:
 
 
 def _fit(
-    values: Array, groups: Sequence[npt.NDArray[np.int64]], choices: Choices
-) -> tuple[Array, Array]:
+    values: Array,
+    groups: Sequence[npt.NDArray[np.int64]],
+    choices: Choices,
+    prior: _Fits | None = None,
+) -> _Fits:
     """Fit the weights of each group to an order.
 
-    Returns:
-        The weights, float64 (n_groups, width of the widest), 0 beyond a group's own, and the log
-        of each group's evidence, float64 (n_groups,).
+    Args:
+        values: Standardised facts of each game, float64 (n_games, n_facts).
+        groups: Columns of each group.
+        choices: The order.
+        prior: Of the weights; None for the one before anything is known.
     """
-    width = max(len(columns) for columns in groups)
+    values, choices = _without_unused(values, choices)
+    prior = _prior(groups) if prior is None else prior
+    width = prior.weights.shape[1]
     # (n_groups, n_games, width); columns of zeros fill up, and change nothing.
     x = np.zeros((len(groups), len(values), width))
-    precision = np.empty(len(groups))
     for index, columns in enumerate(groups):
         x[index, :, : len(columns)] = values[:, columns]
-        # The sum of n standardised facts then has the prior's standard deviation.
-        precision[index] = len(columns) / PRIOR_SD**2
-    weights = np.zeros((len(groups), width))
-    value = _log_posterior(x, weights, choices, precision)
+    weights = prior.weights.copy()
+    value = _log_posterior(x, weights, choices, prior.weights, prior.precision)
     at_work = np.arange(len(groups))
     for _ in range(MOST_NEWTON_STEPS):
-        part, own = x[at_work], precision[at_work]
-        gradient, hessian = _derivatives(part, weights[at_work], choices, own)
+        part, own = x[at_work], (prior.weights[at_work], prior.precision[at_work])
+        gradient, hessian = _derivatives(part, weights[at_work], choices, *own)
         step = np.linalg.solve(hessian, gradient[..., None])[..., 0]
         # The log posterior is concave; halving a step that overshoots always ends.
         for _ in range(MOST_HALVINGS):
-            reached = _log_posterior(part, weights[at_work] + step, choices, own)
+            reached = _log_posterior(part, weights[at_work] + step, choices, *own)
             worse = reached < value[at_work] - 1e-9
             if not worse.any():
                 break
             step[worse] /= 2
         weights[at_work] += step
-        value[at_work] = _log_posterior(part, weights[at_work], choices, own)
+        value[at_work] = _log_posterior(part, weights[at_work], choices, *own)
         at_work = at_work[np.abs(step).max(1) > TOLERANCE]
         if not len(at_work):
             break
-    _, hessian = _derivatives(x, weights, choices, precision)
-    log_det = np.linalg.slogdet(hessian)[1]
-    return weights, value + 0.5 * (width * np.log(precision) - log_det)
+    _, hessian = _derivatives(x, weights, choices, prior.weights, prior.precision)
+    # Laplace: the volume of the posterior by that of the prior (MacKay 1992).
+    volume = np.linalg.slogdet(prior.precision)[1] - np.linalg.slogdet(hessian)[1]
+    return _Fits(weights, hessian, value + 0.5 * volume)
 
 
-def _log_posterior(x: Array, weights: Array, choices: Choices, precision: Array) -> Array:
+def _log_posterior(
+    x: Array, weights: Array, choices: Choices, mean: Array, precision: Array
+) -> Array:
     """Return the log posterior of each group's weights but for a constant, (n_groups,)."""
     score = (x @ weights[..., None])[..., 0]
     # (n_groups, n_choices, n_games)
@@ -251,12 +300,13 @@ def _log_posterior(x: Array, weights: Array, choices: Choices, precision: Array)
     top = among.max(2)
     log_sum = top + np.log(np.exp(among - top[..., None]).sum(2))
     fit: Array = (score[:, choices.chosen] - log_sum) @ choices.weight
-    fit -= 0.5 * precision * (weights**2).sum(1)
+    off = weights - mean
+    fit -= 0.5 * (off * (precision @ off[..., None])[..., 0]).sum(1)
     return fit
 
 
 def _derivatives(
-    x: Array, weights: Array, choices: Choices, precision: Array
+    x: Array, weights: Array, choices: Choices, mean: Array, precision: Array
 ) -> tuple[Array, Array]:
     """Return the gradient, (n_groups, width), and minus the Hessian, (n_groups, width, width)."""
     score = (x @ weights[..., None])[..., 0]
@@ -264,11 +314,11 @@ def _derivatives(
     p = np.exp(among - among.max(2, keepdims=True))
     p /= p.sum(2, keepdims=True)
     # (n_groups, n_choices, width): mean facts of the games that were chosen from.
-    mean = p @ x
-    gradient = ((x[:, choices.chosen] - mean) * choices.weight[:, None]).sum(1)
+    expected = p @ x
+    gradient = ((x[:, choices.chosen] - expected) * choices.weight[:, None]).sum(1)
     # The sum over choices of the facts' covariance under p.
     weighted = (choices.weight[:, None] * p).sum(1)
     hessian = np.swapaxes(x * weighted[..., None], 1, 2) @ x
-    hessian -= np.swapaxes(mean * choices.weight[:, None], 1, 2) @ mean
-    hessian += precision[:, None, None] * np.eye(x.shape[2])
-    return gradient - precision[:, None] * weights, hessian
+    hessian -= np.swapaxes(expected * choices.weight[:, None], 1, 2) @ expected
+    gradient -= (precision @ (weights - mean)[..., None])[..., 0]
+    return gradient, hessian + precision

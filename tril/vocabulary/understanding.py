@@ -14,12 +14,12 @@ from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.posterior import (
     NOTHING_LEFT,
     Choices,
+    Evidence,
     NothingPossible,
     Posterior,
     Statement,
     Tiers,
     infer,
-    log_evidence,
 )
 
 Array = npt.NDArray[np.float64]
@@ -97,12 +97,13 @@ def understand(
         NothingPossible: The answers exclude all statements.
     """
     games = _Games.of(words, summaries, best, answers)
-    conditions = games.conditions
+    conditions, best_choices = games.conditions, games.best_choices(BEST_EFFORT_WEIGHT)
+    choices = games.choices(tiers)
     posterior = infer(
         games.values,
         words.columns,
         conditions.log_prior(words),
-        games.choices(tiers),
+        choices if best_choices is None else choices + best_choices,
         conditions.allow,
         conditions.groups,
     )
@@ -145,17 +146,15 @@ def surpasses_chance(
     if not (log_prior > -np.inf).any():
         raise NothingPossible(NOTHING_LEFT)
 
-    def evidence(order: Tiers) -> float:
-        return log_evidence(games.values, words.columns, log_prior, games.choices(order))
-
-    reached = evidence(tiers)
+    evidence = Evidence(games.values, words.columns, log_prior, games.best_choices(1.0))
+    reached = evidence.log_evidence(games.choices(tiers))
     # The same games in the same order always give the same answer.
     rng = np.random.default_rng(len(tiers))
     ranked = [game for tier in tiers for game in tier]
     ends = np.cumsum([len(tier) for tier in tiers])
     for _ in range(N_SHUFFLES):
-        shuffled = np.split(rng.permutation(ranked), ends[:-1])
-        if evidence([tier.tolist() for tier in shuffled]) >= reached:
+        shuffled = [tier.tolist() for tier in np.split(rng.permutation(ranked), ends[:-1])]
+        if evidence.log_evidence(games.choices(shuffled)) >= reached:
             return False
     return True
 
@@ -197,15 +196,18 @@ class _Games:
         return cls(whitened, len(summaries), best, Conditions.of(words, answers))
 
     def choices(self, tiers: Tiers) -> Choices:
-        """Return the choices of an order and of the best efforts."""
+        """Return the choices of an order."""
         if len(tiers) < 2:
             raise Invalid("Expected at least two tiers: rank one game above another.")
+        return Choices.of_tiers(tiers, len(self.values))
+
+    def best_choices(self, weight: float) -> Choices | None:
+        """Return the choices of the best efforts against varied games; None without any."""
+        if not len(self.best):
+            return None
         n_rows = len(self.values)
-        choices = Choices.of_tiers(tiers, n_rows)
-        if len(self.best):
-            varied = list(range(self.n_games, n_rows))
-            choices += Choices.of_tiers([list(self.best), varied], n_rows, BEST_EFFORT_WEIGHT)
-        return choices
+        tiers = [list(self.best), list(range(self.n_games, n_rows))]
+        return Choices.of_tiers(tiers, n_rows, weight)
 
 
 def _coloured(statement: Statement, roots: Sequence[Array]) -> Statement:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tril.vocabulary.posterior import Choices, Posterior, infer, log_evidence
+from tril.vocabulary.posterior import Choices, Evidence, Posterior, infer
 
 N_GROUPS = 20
 WIDTH = 3
@@ -65,8 +65,21 @@ def test_a_sum_of_two_groups_is_found_as_two() -> None:
 def test_an_order_by_a_group_has_more_evidence_than_orders_drawn_blindly() -> None:
     rng = np.random.default_rng(0)
     values = facts(rng, 12)
-    blind = [log_evidence(values, GROUPS, EQUAL, order_by(rng.normal(size=12))) for _ in range(19)]
-    assert log_evidence(values, GROUPS, EQUAL, order_by(values[:, GROUPS[7][1]])) > max(blind)
+    evidence = Evidence(values, GROUPS, EQUAL)
+    blind = [evidence.log_evidence(order_by(rng.normal(size=12))) for _ in range(19)]
+    assert evidence.log_evidence(order_by(values[:, GROUPS[7][1]])) > max(blind)
+
+
+def test_what_is_known_counts_as_if_it_were_part_of_the_order() -> None:
+    values = facts(np.random.default_rng(2), 20)
+    first = Choices.of_tiers([[0], [1], [2], [3]], 20)
+    second = Choices.of_tiers([[11], [10], [12], [13]], 20)
+    third = Choices.of_tiers([[13], [12], [11], [10]], 20)
+    alone, known = Evidence(values, GROUPS, EQUAL), Evidence(values, GROUPS, EQUAL, first)
+    difference = alone.log_evidence(first + second) - alone.log_evidence(first + third)
+    assert known.log_evidence(second) - known.log_evidence(third) == pytest.approx(
+        difference, abs=0.2
+    )
 
 
 def test_probabilities_add_up() -> None:
