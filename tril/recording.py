@@ -285,13 +285,15 @@ def verify(
     check_rewards = None if rewards is None else _RewardCheck(rewards)
     played = _measured_replay(recording, console, measures, check_rewards)
     _check_hashes(recording, played.hashes)
-    cells = [one.cell for one in played.taken]
+    cells = [item.cell for item in played.taken]
     if taken is not None and cells != [tuple(cell) for cell in taken]:
         raise RecordingRefused(
             f"The replay takes {_names(cells)}, but the recording says {_names(taken)}."
         )
-    kept = replace(recording, actions=recording.actions[: played.n_frames], hashes=played.hashes)
-    return Verified(kept, played, recording.n_frames - played.n_frames)
+    verified = replace(
+        recording, actions=recording.actions[: played.n_frames], hashes=played.hashes
+    )
+    return Verified(verified, played, recording.n_frames - played.n_frames)
 
 
 def _measured_replay(
@@ -311,7 +313,7 @@ def _measured_replay(
 
     needs_memory = any(reads_memory(game, one) for one in measures)
     played = replay(recording, console, keep_memory if needs_memory else on_frame)
-    seen = Played(
+    episode = Played(
         memory=np.array(memory, np.uint8),
         actions=recording.actions[: played.n_frames],
         taken=played.taken,
@@ -319,7 +321,9 @@ def _measured_replay(
         score=played.score,
         end=played.end,
     )
-    measured = {one.measure.key: one.value for one in measure(game, measures, seen)}
+    measured = {
+        measured.measure.key: measured.value for measured in measure(game, measures, episode)
+    }
     return replace(played, measured=measured)
 
 
@@ -383,13 +387,13 @@ def trajectory(recording: Recording, console: Console | None = None) -> Trajecto
 
     played = replay(recording, console, look)
     _check_hashes(recording, played.hashes)
-    kept = replace(recording, actions=recording.actions[: played.n_frames], hashes=())
+    complete = replace(recording, actions=recording.actions[: played.n_frames], hashes=())
     if played.n_frames % frames_per_step:
         view.finish_step(console, played.n_frames)
-        view.observe(observations[kept.n_steps])
+        view.observe(observations[complete.n_steps])
     return Trajectory(
-        observations[: kept.n_steps + 1],
-        step_actions(kept.actions, frames_per_step),
+        observations[: complete.n_steps + 1],
+        step_actions(complete.actions, frames_per_step),
         played.taken,
         played.end,
     )
@@ -443,14 +447,14 @@ def _check_hashes(recording: Recording, replayed: Sequence[str]) -> None:
     if not recording.hashes:
         return
     interval = hash_interval(recording.game)
-    for second, (recorded, seen) in enumerate(
+    for second, (recorded_hash, replayed_hash) in enumerate(
         zip(recording.hashes, replayed, strict=False), start=1
     ):
-        if recorded != seen:
+        if recorded_hash != replayed_hash:
             raise RecordingRefused(
                 f"The replay differs from the recording: the memory after frame"
-                f" {second * interval} has the hash {seen}, the recording says {recorded}. Its"
-                " start or actions were changed or are incomplete."
+                f" {second * interval} has the hash {replayed_hash}, the recording says"
+                f" {recorded_hash}. Its start or actions were changed or are incomplete."
             )
 
 

@@ -127,11 +127,11 @@ def folded(text: str) -> str:
     Case, other forms of a character (NFKC), spaces of any kind and number, and what is invisible
     make no difference.
     """
-    seen = "".join(character for character in text if not _is_invisible(character))
+    visible = "".join(character for character in text if not _is_invisible(character))
     # Folding case can undo a composition, and composing can leave something to fold.
     for _ in range(2):
-        seen = unicodedata.normalize("NFKC", seen).casefold()
-    return " ".join(unicodedata.normalize("NFKC", seen).split())
+        visible = unicodedata.normalize("NFKC", visible).casefold()
+    return " ".join(unicodedata.normalize("NFKC", visible).split())
 
 
 def printable(text: str, keep: str = "") -> str:
@@ -158,8 +158,8 @@ def _composed_lines(text: str) -> str:
     return unicodedata.normalize("NFC", _LINE_BREAKS.sub("\n", text))
 
 
-def _checked(text: str, max_length: int | None, kept: str) -> str:
-    for place, reason in _faults(text, kept):
+def _checked(text: str, max_length: int | None, accepted: str) -> str:
+    for place, reason in _faults(text, accepted):
         code, name = f"U+{ord(text[place]):04X}", unicodedata.name(text[place], "").lower()
         raise TextRefused(
             f"Character {place + 1} is {code}{name and f' ({name})'}: {reason}. Remove it, or type"
@@ -171,9 +171,9 @@ def _checked(text: str, max_length: int | None, kept: str) -> str:
     return text
 
 
-def _replaced(text: str, kept: str) -> str:
+def _replaced(text: str, accepted: str) -> str:
     # A replaced character can leave behind a joiner or a mark that belonged to it.
-    while places := {place for place, _ in _faults(text, kept)}:
+    while places := {place for place, _ in _faults(text, accepted)}:
         text = "".join(_REPLACEMENT if at in places else c for at, c in enumerate(text))
     return text
 
@@ -189,16 +189,16 @@ def _each_text(value: Any, line: Callable[[str], str], lines: Callable[[str], st
     return value
 
 
-def _faults(text: str, kept: str) -> Iterator[tuple[int, str]]:
+def _faults(text: str, accepted: str) -> Iterator[tuple[int, str]]:
     """Yield the place of each character that can't be accepted, and why."""
-    if all(map(_is_plain, set(text) - set(kept))):
+    if all(map(_is_plain, set(text) - set(accepted))):
         return
     in_flags = {place for flag in _FLAGS.finditer(text) for place in range(*flag.span())}
     n_marks = 0
     for place, character in enumerate(text):
         kind = unicodedata.category(character)
         n_marks = n_marks + 1 if kind in ("Mn", "Me") else 0
-        if character in kept or place in in_flags:
+        if character in accepted or place in in_flags:
             continue
         if character in (_ZWNJ, _ZWJ):
             if not _joins(text, place):

@@ -211,10 +211,10 @@ class RunOutcome(Stored):
     imitator: ImitatorOutcome | None = None
     headline: Headline | None = None
 
-    def with_those_of(self, found: RunOutcome) -> RunOutcome:
+    def with_those_of(self, outcome: RunOutcome) -> RunOutcome:
         """Return this outcome with what another stage has found."""
         return self.model_copy(
-            update={name: getattr(found, name) for name in found.model_fields_set}
+            update={name: getattr(outcome, name) for name in outcome.model_fields_set}
         )
 
 

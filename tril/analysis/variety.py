@@ -24,12 +24,14 @@ def pick_evenly(traits: Sequence[Traits], count: int, rng: np.random.Generator) 
     Returns:
         Indices into ``traits``.
     """
-    left = rng.permutation(len(traits)).tolist()
+    candidates = rng.permutation(len(traits)).tolist()
     n_picked: Counter[tuple[int, Hashable]] = Counter()
     picked = []
     for _ in range(min(count, len(traits))):
-        best = min(left, key=lambda item: sum(n_picked[trait] for trait in enumerate(traits[item])))
-        left.remove(best)
+        best = min(
+            candidates, key=lambda item: sum(n_picked[trait] for trait in enumerate(traits[item]))
+        )
+        candidates.remove(best)
         n_picked.update(enumerate(traits[best]))
         picked.append(best)
     return picked

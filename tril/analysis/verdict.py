@@ -145,9 +145,9 @@ def _advised(
         )
         return Verdict(tone, sentence, advice, "rank")
     if makes_mistakes:
-        what = "other aliens" if strays >= order_errors else "targets out of order"
+        error = "other aliens" if strays >= order_errors else "targets out of order"
         advice = (
-            f"Teach it more: rank games in which it hits {what} low among the others, and train"
+            f"Teach it more: rank games in which it hits {error} low among the others, and train"
             " further."
         )
         return Verdict(tone, sentence, advice, "teach")
@@ -212,13 +212,15 @@ def _without_targets(imitator: PolicySummary, clone: PolicySummary | None) -> Ve
 
 def _hits(run: RunFigures, targets: Interval, clone: PolicySummary | None) -> str:
     sure = f"95% interval {targets.low:.1f} to {targets.high:.1f}, {_games(targets.n)}"
-    others = []
+    comparisons = []
     if clone is not None and clone.targets is not None:
-        others.append(f"the clone hits {_mean(clone.targets.mean)}")
+        comparisons.append(f"the clone hits {_mean(clone.targets.mean)}")
     if run.best_targets is not None:
-        others.append(f"the best demonstration {run.best_targets}")
-    rest = f"; {', '.join(others)}" if others else ""
-    return f"The imitator hits {_mean(targets.mean)} of {run.n_targets} targets ({sure}){rest}."
+        comparisons.append(f"the best demonstration {run.best_targets}")
+    comparison = f"; {', '.join(comparisons)}" if comparisons else ""
+    return (
+        f"The imitator hits {_mean(targets.mean)} of {run.n_targets} targets ({sure}){comparison}."
+    )
 
 
 def _better(targets: Interval, clone: PolicySummary | None) -> str:

@@ -146,9 +146,9 @@ class Controls:
     def _opposites(self) -> tuple[int, ...]:
         pairs = (("left", "right"), ("up", "down"))
         return tuple(
-            1 << self.buttons.index(one) | 1 << self.buttons.index(other)
-            for one, other in pairs
-            if one in self.buttons and other in self.buttons
+            1 << self.buttons.index(button) | 1 << self.buttons.index(opposite)
+            for button, opposite in pairs
+            if button in self.buttons and opposite in self.buttons
         )
 
     @cached_property
@@ -571,8 +571,8 @@ class Game:
         for end in self.ends:
             if end.name == name:
                 return end
-        known = ", ".join(end.name for end in self.ends)
-        raise Invalid(f"{self.title} has no end {name!r}; it has {known}.")
+        names = ", ".join(end.name for end in self.ends)
+        raise Invalid(f"{self.title} has no end {name!r}; it has {names}.")
 
     def is_death(self, end: str | None) -> bool:
         """Return whether an end, by its name, is the player's death."""
@@ -616,9 +616,9 @@ class Game:
         Raises:
             Invalid: There is none of this name.
         """
-        known = [rule.name for rule in self.end_rules]
-        if name not in known:
-            raise Invalid(f"{self.title} has no end rule {name!r}; it has {', '.join(known)}.")
+        names = [rule.name for rule in self.end_rules]
+        if name not in names:
+            raise Invalid(f"{self.title} has no end rule {name!r}; it has {', '.join(names)}.")
         return name
 
 

@@ -128,8 +128,8 @@ class InferenceClient:
             Unavailable: The process does not reply.
         """
         values = np.frombuffer(self._request({"op": "scale", "run_id": run_id}), np.float32)
-        zero, one = values.tolist()
-        return zero, one
+        offset, scale = values.tolist()
+        return offset, scale
 
     def attention(
         self,

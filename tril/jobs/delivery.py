@@ -226,7 +226,7 @@ class Jobs:
     def _jobs(self, run_ids: list[str]) -> dict[str, WorkflowStatus]:
         if not run_ids:
             return {}
-        found = self._client.list_workflows(
+        workflows = self._client.list_workflows(
             workflow_ids=run_ids, load_input=False, load_output=False
         )
-        return {job.workflow_id: job for job in found}
+        return {job.workflow_id: job for job in workflows}

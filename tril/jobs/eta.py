@@ -111,8 +111,8 @@ class RunEta:
             stage: The stage at work.
             done: Share of it that is done, 0..1.
         """
-        left = sum(self._left(finished, stage, done).values())
-        return 1.0 - left / sum(self.seconds.values())
+        remaining = sum(self._left(finished, stage, done).values())
+        return 1.0 - remaining / sum(self.seconds.values())
 
     def remaining_s(
         self,
@@ -133,16 +133,16 @@ class RunEta:
             gained: Share of it whose duration is known; 0 if too little of it is done to tell.
             took_s: Seconds that this share took.
         """
-        known = [name for name in finished if name in self.seconds]
-        expected = sum(self.seconds[name] for name in known)
-        took = sum(finished[name] for name in known)
+        known_stages = [name for name in finished if name in self.seconds]
+        expected = sum(self.seconds[name] for name in known_stages)
+        took = sum(finished[name] for name in known_stages)
         gained_s = gained * self.seconds.get(stage, 0.0)
         prior_s = max(NEGLIGIBLE_S, PRIOR_SHARE * sum(self.seconds.values()))
         before = _bounded(_slowness(took, expected, prior_s=prior_s))
-        own = _slowness(took_s, gained_s, prior=before)
+        stage_slowness = _slowness(took_s, gained_s, prior=before)
         pace = _bounded(_slowness(took + took_s, expected + gained_s, prior_s=prior_s))
-        left = self._left(finished, stage, done)
-        return own * left.pop(stage, 0.0) + pace * sum(left.values())
+        remaining = self._left(finished, stage, done)
+        return stage_slowness * remaining.pop(stage, 0.0) + pace * sum(remaining.values())
 
     def _left(self, finished: Collection[str], stage: str, done: float) -> dict[str, float]:
         """Return the seconds expected of what is left of each stage that is not finished."""

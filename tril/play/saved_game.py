@@ -22,7 +22,7 @@ def pack_game(state: AgentGameState) -> bytes:
     episode, view = state.episode, state.view
     small = {
         "start": episode.start.to_json(),
-        "taken": [[taken.row, taken.column, taken.frame] for taken in episode.taken],
+        "taken": [[item.row, item.column, item.frame] for item in episode.taken],
         "end": episode.end,
         "counters": episode.counters,
         "readout": episode.readout,
@@ -59,7 +59,7 @@ def unpack_game(data: bytes, console: Console) -> AgentGameState:
         console=console.state_from_bytes(machine),
         start=console.game.starts.parse(small["start"]),
         actions=actions,
-        taken=tuple(Taken(*taken) for taken in small["taken"]),
+        taken=tuple(Taken(*item) for item in small["taken"]),
         end=small["end"],
         counters=small["counters"],
         readout=small["readout"],

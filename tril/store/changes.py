@@ -74,14 +74,14 @@ class ChangeReader:
         self._missing = {key: until for key, until in self._missing.items() if until > time_s}
         is_new = or_(ChangeRow.id > self._last, ChangeRow.id.in_(self._missing))
         query = select(ChangeRow).where(is_new).order_by(ChangeRow.id).limit(limit)
-        found = list(session.scalars(query))
-        seen = {row.id for row in found}
+        rows = list(session.scalars(query))
+        seen = {row.id for row in rows}
         last = max(seen | {self._last})
         for key in seen & self._missing.keys():
             del self._missing[key]
         self._note_missing(set(range(max(self._last + 1, last - MAX_GAPS), last)) - seen)
         self._last = last
-        return found
+        return rows
 
     def _note_missing(self, ids: set[int]) -> None:
         self._missing |= dict.fromkeys(ids, time.monotonic() + self._late_commit_s)

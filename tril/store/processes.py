@@ -219,8 +219,8 @@ def is_kind_alive(session: Session, kind: str) -> bool:
 
 def is_gpu_worker_alive(session: Session) -> bool:
     """Whether a worker that learns on a GPU is alive."""
-    workers = [one for one in statuses(session) if one.alive and one.kind == "worker"]
-    return any(one.details.get("gpu") for one in workers)
+    workers = [status for status in statuses(session) if status.alive and status.kind == "worker"]
+    return any(worker.details.get("gpu") for worker in workers)
 
 
 def has_ended(session: Session, name: str) -> bool:

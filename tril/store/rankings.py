@@ -242,7 +242,7 @@ def _former_rankings(
         .order_by(RankingRow.revision.desc())
         .limit(_MAX_DELETIONS)
     )
-    found: list[tuple[int, Ranking]] = []
+    former_rankings: list[tuple[int, Ranking]] = []
     former_of: dict[int, Ranking] = {}
     for row in reversed(session.scalars(latest).all()) if deleted_at else ():
         former = as_ranking(_revision(session, newest, row.revision - 1, "put back"))
@@ -255,20 +255,20 @@ def _former_rankings(
                 former_of[item] = former
                 # An earlier deletion doesn't tell whether it was ranked at its last one.
                 if item in deleted_at and row.created_at >= deleted_at[item]:
-                    found.append((item, former))
-    return found[::-1]
+                    former_rankings.append((item, former))
+    return former_rankings[::-1]
 
 
 def _behaviours_that_may_rank(session: Session, recording_ids: Collection[int]) -> list[int]:
     """Return the behaviours of recordings and those that have borrowed any, in order of locking."""
-    found: set[int] = set()
+    behaviour_ids: set[int] = set()
     for part in in_parts(sorted(recording_ids), PART):
-        own = select(RecordingRow.behaviour_id).where(RecordingRow.id.in_(part))
-        borrowing = select(BorrowedGameRow.behaviour_id).where(
+        owners = select(RecordingRow.behaviour_id).where(RecordingRow.id.in_(part))
+        borrowers = select(BorrowedGameRow.behaviour_id).where(
             BorrowedGameRow.recording_id.in_(part)
         )
-        found.update(session.scalars(union(own, borrowing)))
-    return sorted(found)
+        behaviour_ids.update(session.scalars(union(owners, borrowers)))
+    return sorted(behaviour_ids)
 
 
 def in_parts(ids: Sequence[int], size: int) -> Iterator[Sequence[int]]:
@@ -297,9 +297,9 @@ def lock(
     return newest
 
 
-def _revision(session: Session, newest: RankingRow, revision: int | None, what: str) -> RankingRow:
+def _revision(session: Session, newest: RankingRow, revision: int | None, step: str) -> RankingRow:
     if revision is None:
-        raise Invalid(f"There is nothing to {what}.")
+        raise Invalid(f"There is nothing to {step}.")
     if revision == 0:
         return _empty(newest.behaviour_id)
     return session.scalars(

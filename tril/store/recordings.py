@@ -68,7 +68,7 @@ def columns_of(recording: Recording, played: Replay) -> dict[str, Any]:
         "actions": recording.actions,
         "n_frames": recording.n_frames,
         "hashes": list(recording.hashes),
-        "taken": [[one.row, one.column, one.frame] for one in played.taken],
+        "taken": [[item.row, item.column, item.frame] for item in played.taken],
         "counters": played.counters,
         "score": played.score,
         "measured": dict(played.measured),
@@ -135,8 +135,8 @@ def player_of(session: Session, recording_id: int) -> tuple[int | None, int] | N
     query = select(RecordingRow.player_id, RecordingRow.behaviour_id).where(
         RecordingRow.id == recording_id, RecordingRow.source == Source.PERSON
     )
-    found = session.execute(query).one_or_none()
-    return None if found is None else (found[0], found[1])
+    row = session.execute(query).one_or_none()
+    return None if row is None else (row[0], row[1])
 
 
 def by_ids(session: Session, ids: Iterable[int], *columns: Any) -> dict[int, RecordingRow]:
@@ -302,13 +302,13 @@ def delete(session: Session, rows: Sequence[RecordingRow], player_id: int | None
                 f"Recording {row.id} is a result of a training and belongs to it; delete the "
                 "training instead."
             )
-    gone = [row for row in rows if row.deleted_at is None]
-    for row in gone:
+    deleted = [row for row in rows if row.deleted_at is None]
+    for row in deleted:
         row.deleted_at = now()
         audit.note(session, audit.Action.DELETED, player_id, f"recording {row.id}")
-    note_recordings(session, gone)
+    note_recordings(session, deleted)
     session.flush()
-    rankings.remove_recordings(session, [row.id for row in gone], player_id)
+    rankings.remove_recordings(session, [row.id for row in deleted], player_id)
 
 
 def restore(session: Session, rows: Sequence[RecordingRow], player_id: int | None = None) -> None:

@@ -93,8 +93,8 @@ class Submission:
             .limit(1)
         )
         if oldest is not None:
-            own = SubmissionRow.player_id == self.player_id
-            session.execute(delete(SubmissionRow).where(own, SubmissionRow.id <= oldest))
+            is_own = SubmissionRow.player_id == self.player_id
+            session.execute(delete(SubmissionRow).where(is_own, SubmissionRow.id <= oldest))
         row = SubmissionRow(
             player_id=self.player_id,
             key=self.key,

@@ -54,8 +54,8 @@ def add_varied_games(
         borrowed.borrow(
             session, behaviour_id, borrowed.borrowable(session, behaviour_id).keys() & chosen
         )
-        made = [
+        recording_ids = [
             recordings.add(session, behaviour_id, game.recording, game.replay, Source.VARIED).id
             for game in games
         ]
-    return chosen + made
+    return chosen + recording_ids

@@ -150,101 +150,103 @@ class HumanLikePlayer:
             self._held.append(key)
             self._recorder.advance(key)
 
-    def _next_key(self, seen: ScreenState) -> int:
+    def _next_key(self, screen: ScreenState) -> int:
         """Return the action of the next frame, given the screen of a reaction time ago."""
-        self._watched.append(seen)
-        self._watch_bombs(seen)
-        escape = self._escape(seen)
+        self._watched.append(screen)
+        self._watch_bombs(screen)
+        escape = self._escape(screen)
         if escape:
             self._keys = deque(escape)
             self._aim_error = None
         if not self._keys:
-            self._keys.extend(self._next_keys(seen))
+            self._keys.extend(self._next_keys(screen))
         return self._keys.popleft()
 
-    def _next_keys(self, seen: ScreenState) -> Sequence[int]:
+    def _next_keys(self, screen: ScreenState) -> Sequence[int]:
         frame = self._episode.frame
-        left = self._left(seen)
+        remaining = self._left(screen)
         fired = frame - self._fired_at <= self._error_model.reaction_frames + _FIRE_SHOWS_FRAMES
-        in_flight = seen.missile or fired
+        in_flight = screen.missile or fired
         # A missile in the air is taken for a hit.
-        next_one = left[1:] if in_flight and len(left) > 1 else left
+        next_one = remaining[1:] if in_flight and len(remaining) > 1 else remaining
         if not next_one:
-            return self._stroll(seen, self._x(seen), self._style.wait_steps)
+            return self._stroll(screen, self._x(screen), self._style.wait_steps)
         cell = next_one[0]
-        place = seen.columns[cell[1]] - game.MISSILE_OFFSET
+        place = screen.columns[cell[1]] - game.MISSILE_OFFSET
         if frame < self._due[len(self._wanted) - len(next_one)]:
-            return self._stroll(seen, place, self._style.wait_steps)
-        at = self._aim(seen, cell)
+            return self._stroll(screen, place, self._style.wait_steps)
+        at = self._aim(screen, cell)
         if at is None:
-            return self._stroll(seen, place, wait_steps=1)
-        if self._is_under_fire(at - game.MISSILE_OFFSET, seen):
+            return self._stroll(screen, place, wait_steps=1)
+        if self._is_under_fire(at - game.MISSILE_OFFSET, screen):
             return rest(1)
         if frame < self._settled_at + self._error_model.reaction_frames:
             return rest(1)  # Where it came to stand is not visible yet.
-        if abs(seen.player_x + game.MISSILE_OFFSET - at) > _LOOKS_RIGHT_PX:
-            return self._approach(seen, at)
+        if abs(screen.player_x + game.MISSILE_OFFSET - at) > _LOOKS_RIGHT_PX:
+            return self._approach(screen, at)
         return rest(1) if in_flight else self._fire()
 
-    def _left(self, seen: ScreenState) -> list[Cell]:
+    def _left(self, screen: ScreenState) -> list[Cell]:
         """Return the remaining aliens to hit."""
-        return [cell for cell in self._wanted if cell in seen.alive]
+        return [cell for cell in self._wanted if cell in screen.alive]
 
-    def _x(self, seen: ScreenState) -> float:
+    def _x(self, screen: ScreenState) -> float:
         """Estimate the current x from the one seen and the keys held since."""
-        x = float(seen.player_x)
+        x = float(screen.player_x)
         for action in self._held:
             x += game.PLAYER_SPEED_PX * _MOVES.get(Action(action), 0)
         return float(np.clip(x, game.PLAYER_LEFT_WALL, game.PLAYER_RIGHT_WALL))
 
     # Walking
 
-    def _way(self, seen: ScreenState, goal: float) -> list[int]:
+    def _way(self, screen: ScreenState, goal: float) -> list[int]:
         """Return the keys to reach a goal, held too long or short by chance."""
-        way = goal - self._x(seen)
+        way = goal - self._x(screen)
         n_frames = abs(way) / game.PLAYER_SPEED_PX
         n_held = round(n_frames + self._rng.normal(0, self._error_model.key_error_frames))
         if n_frames < 1 or n_held < 1:
             return []
         return [towards(way)] * n_held
 
-    def _stroll(self, seen: ScreenState, place: float, wait_steps: float) -> Sequence[int]:
+    def _stroll(self, screen: ScreenState, place: float, wait_steps: float) -> Sequence[int]:
         """Return a walk near a place and a rest."""
         goal = place + self._rng.uniform(-1, 1) * self._style.wander_px
         goal = float(np.clip(goal, game.PLAYER_LEFT_WALL, game.PLAYER_RIGHT_WALL))
         n_rest = FRAMES_PER_STEP * (1 + int(self._rng.poisson(wait_steps)))
-        if self._is_under_fire(goal, seen):
+        if self._is_under_fire(goal, screen):
             return rest(n_rest)
-        way = self._way(seen, goal)[:_MAX_STROLL_FRAMES]
+        way = self._way(screen, goal)[:_MAX_STROLL_FRAMES]
         return [*way, *rest(n_rest)]
 
     # Bombs
 
-    def _watch_bombs(self, seen: ScreenState) -> None:
+    def _watch_bombs(self, screen: ScreenState) -> None:
         """Decide for each new bomb whether it is noticed."""
-        falling = {x for _, x in seen.bombs}
+        falling = {x for _, x in screen.bombs}
         for x in sorted(falling - self._noticed.keys()):
             missed = self._rng.random() < self._error_model.missed_bomb_share
             self._noticed[x] = np.inf if missed else self._rng.uniform(*_ALARM_Y)
         for x in self._noticed.keys() - falling:
             del self._noticed[x]
 
-    def _is_under_fire(self, x: float, seen: ScreenState) -> bool:
+    def _is_under_fire(self, x: float, screen: ScreenState) -> bool:
         """Return whether a bomb to dodge falls on a place."""
-        return any(y >= self._noticed[bomb_x] and _falls_on(bomb_x, x) for y, bomb_x in seen.bombs)
+        return any(
+            y >= self._noticed[bomb_x] and _falls_on(bomb_x, x) for y, bomb_x in screen.bombs
+        )
 
-    def _escape(self, seen: ScreenState) -> list[int]:
+    def _escape(self, screen: ScreenState) -> list[int]:
         """Return the keys to dodge a noticed bomb, empty if there is none."""
-        for y, bomb_x in seen.bombs:
-            if y < self._noticed[bomb_x] or not self._meets(seen, y, bomb_x):
+        for y, bomb_x in screen.bombs:
+            if y < self._noticed[bomb_x] or not self._meets(screen, y, bomb_x):
                 continue
             margin = _BOMB_MARGIN_PX + 1 + self._rng.uniform(0, 4)
             sides = [bomb_x - _BODY_PX[1] - margin, bomb_x - _BODY_PX[0] + margin]
             open_sides = [
                 side for side in sides if game.PLAYER_LEFT_WALL <= side <= game.PLAYER_RIGHT_WALL
             ]
-            x = self._x(seen)
-            return self._way(seen, min(open_sides or sides, key=lambda side: abs(side - x)))
+            x = self._x(screen)
+            return self._way(screen, min(open_sides or sides, key=lambda side: abs(side - x)))
         return []
 
     def _meets(self, seen: ScreenState, y: int, bomb_x: int) -> bool:
@@ -289,9 +291,9 @@ class HumanLikePlayer:
             return None
         return float(np.clip(_widest(places) + self._aim_error[1], *_REACH_PX))
 
-    def _lead(self, seen: ScreenState, cell: Cell) -> float:
+    def _lead(self, screen: ScreenState, cell: Cell) -> float:
         """Extrapolate how far the aliens move until a missile reaches them."""
-        drift = (seen.columns[0] - self._watched[0].columns[0]) / len(self._watched)
+        drift = (screen.columns[0] - self._watched[0].columns[0]) / len(self._watched)
         flight = _FLIGHT_FRAMES + _FLIGHT_FRAMES_PER_ROW * cell[0]
         return drift * (self._error_model.reaction_frames + flight)
 

@@ -206,9 +206,9 @@ class Planner:
         before = self._episode.save()
         aim = self._rng.normal(0, self._style.aim_px)
         try:
-            for way, there in self._ways_to(cell, aim):
+            for way, state in self._ways_to(cell, aim):
                 for aside in self._asides():
-                    self._episode.restore(there)
+                    self._episode.restore(state)
                     actions = self._fire(cell, aside)
                     if actions is not None:
                         return [*way, *actions]
@@ -232,7 +232,7 @@ class Planner:
         """Return walks after which a shot may hit an alien, and the states then, best first."""
         before = self._episode.save()
         offset = column_centre(self._episode, cell[1]) - _missile_x(self._episode)
-        found: list[tuple[float, list[int], EpisodeState]] = []
+        ways: list[tuple[float, list[int], EpisodeState]] = []
         for action in (int(Action.RIGHT), int(Action.LEFT)):
             if abs(offset) > _REACH_PX and action != towards(offset):
                 continue
@@ -244,15 +244,15 @@ class Planner:
                 ready = not missile_in_air(self._episode.console.ram_bytes())
                 if abs(distance) <= _REACH_PX and ready:
                     cost = abs(distance - aim) + n_steps * _PX_PER_STEP_OF_DELAY
-                    found.append((cost, [action] * n_steps, self._episode.save()))
+                    ways.append((cost, [action] * n_steps, self._episode.save()))
                 elif abs(distance) > _REACH_PX and action == towards(distance):
                     break
                 self._play_on([action])
                 n_waited += _missile_x(self._episode) == x
                 if self._episode.end is not None or n_waited > _MAX_WAIT_STEPS:
                     break
-        found.sort(key=lambda way: way[0])
-        return [(way, there) for _, way, there in found]
+        ways.sort(key=lambda way: way[0])
+        return [(way, state) for _, way, state in ways]
 
     def _fire(self, cell: Cell, aside: Sequence[int]) -> list[int] | None:
         """Simulate a shot while walking aside; return the actions until the hit.
@@ -269,8 +269,8 @@ class Planner:
                 return None
             actions.append(next(walk, int(Action.NOOP)))
             self._play_on(actions[-1:])
-        new = [(hit.row, hit.column) for hit in self._episode.taken[n_hits:]]
-        if new != [cell] or self._hit_at([*walk, *rest(_TAIL_STEPS)]) is not None:
+        new_hits = [(hit.row, hit.column) for hit in self._episode.taken[n_hits:]]
+        if new_hits != [cell] or self._hit_at([*walk, *rest(_TAIL_STEPS)]) is not None:
             return None
         return actions
 

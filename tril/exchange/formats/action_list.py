@@ -77,25 +77,25 @@ def read_action_list(content: dict[str, Any]) -> ActionList:
     Raises:
         RecordingRefused: Its game is not installed, or its actions or rewards are not valid.
     """
-    rest = dict(content)
-    version = rest.pop("version", None)
+    recording = dict(content)
+    version = recording.pop("version", None)
     if isinstance(version, bool) or version != VERSION:
         raise RecordingRefused(
             f"Expected version {VERSION} of {FORMAT}, got {truncated(repr(version))}."
         )
-    game = _game(rest.get("game"))
-    numbers = rest.pop("numbers", None) or MINIMAL
-    actions, notices = _actions(game, rest.pop("actions", None), numbers)
-    rewards = _rewards(rest.pop("rewards", None), len(actions))
-    start = rest.pop("start", None) or RESET
-    rest |= {
+    game = _game(recording.get("game"))
+    numbers = recording.pop("numbers", None) or MINIMAL
+    actions, notices = _actions(game, recording.pop("actions", None), numbers)
+    rewards = _rewards(recording.pop("rewards", None), len(actions))
+    start = recording.pop("start", None) or RESET
+    recording |= {
         "format": recording_object.FORMAT,
         "version": recording_object.VERSION,
-        "game_version": rest.get("game_version") or game.version,
+        "game_version": recording.get("game_version") or game.version,
         "start": _reset(game) if start == RESET else start,
         "actions": base64.b64encode(actions).decode("ascii"),
     }
-    return ActionList(rest, rewards, tuple(notices))
+    return ActionList(recording, rewards, tuple(notices))
 
 
 def _game(name: object) -> Game:
@@ -163,14 +163,14 @@ class _Index:
     """
 
     def __init__(self, controls: Controls, names: Sequence[str]) -> None:
-        own = {name.upper(): number for number, name in enumerate(controls.actions)}
+        numbers = {name.upper(): number for number, name in enumerate(controls.actions)}
         self._found: dict[int | str, int] = {}
         self._reduced: dict[int | str, str] = {}
         joystick = set(controls.actions) <= set(ALL_ACTIONS)
         for name in {*names, *(ALL_ACTIONS if joystick else ())}:
             keys: list[int | str] = [name.upper()]
             keys += [names.index(name)] if name in names else []
-            number = own.get(name.upper())
+            number = numbers.get(name.upper())
             if number is None:
                 number = reduced_action(controls, name)
                 self._reduced |= dict.fromkeys(keys, name)
@@ -195,9 +195,10 @@ class _Index:
         del counts[None]
         if not counts:
             return []
-        own = game.controls
+        controls = game.controls
         parts = [
-            f"{name} ({count:,} frames) was read as {own.actions[reduced_action(own, name)]}"
+            f"{name} ({count:,} frames) was read as"
+            f" {controls.actions[reduced_action(controls, name)]}"
             for name, count in counts.most_common()
             if name is not None
         ]

@@ -96,8 +96,8 @@ def describe_foreign(head: bytes, *expected: str) -> str | None:
             return description
     text = head.decode(json.detect_encoding(head), errors="replace").lstrip("\ufeff \t\r\n")
     if not text or text.startswith("{"):
-        found = _FORMAT.search(text)
-        return None if found is None or found[1] in expected else _FORMATS.get(found[1])
+        match = _FORMAT.search(text)
+        return None if match is None or match[1] in expected else _FORMATS.get(match[1])
     if "\0" in text or text.count("\ufffd") > 1:
         return "not text"
     if text.startswith("["):

@@ -262,7 +262,7 @@ def describe_errors(
     problems = error.errors(include_url=False)
     for problem in problems[:4]:
         place = ".".join(names.get(str(part), str(part)) for part in problem["loc"])
-        got = truncated(repr(problem["input"]))
+        value = truncated(repr(problem["input"]))
         if isinstance(refusal := problem.get("ctx", {}).get("error"), TextRefused):
             yield f"{place}: {refusal}"
             continue
@@ -272,12 +272,12 @@ def describe_errors(
             case "string_pattern_mismatch", "actions":
                 yield (
                     "actions: expected base64 of one byte per frame and at least one frame, got"
-                    f" {got}."
+                    f" {value}."
                 )
             case _:
                 message = problem["msg"].replace("Input should be", "expected")
                 message = message.removeprefix("Value error, ")
-                yield f"{place}: {message}, got {got}."
+                yield f"{place}: {message}, got {value}."
     if len(problems) > 4:
         yield f"And {len(problems) - 4} more."
 

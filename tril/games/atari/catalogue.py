@@ -96,16 +96,16 @@ def entries() -> Mapping[str, Entry]:
     return {
         rom: Entry(
             rom=rom,
-            md5=one["md5"],
-            screen=tuple(one["screen"]),
-            background=one["background"],
-            pal=one["pal"],
-            actions=tuple(one["actions"]),
-            modes=tuple(one["modes"]),
-            difficulties=tuple(one["difficulties"]),
-            lives=one["lives"],
-            intro=one["intro"],
-            hidden=tuple(tuple(area) for area in (*one["score"], *one["life"])),
+            md5=entry["md5"],
+            screen=tuple(entry["screen"]),
+            background=entry["background"],
+            pal=entry["pal"],
+            actions=tuple(entry["actions"]),
+            modes=tuple(entry["modes"]),
+            difficulties=tuple(entry["difficulties"]),
+            lives=entry["lives"],
+            intro=entry["intro"],
+            hidden=tuple(tuple(area) for area in (*entry["score"], *entry["life"])),
         )
-        for rom, one in surveyed.items()
+        for rom, entry in surveyed.items()
     }

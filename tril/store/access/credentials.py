@@ -139,10 +139,10 @@ def find(session: Session, secret_hash: str) -> Identity | None:
         .join(PlayerRow, CredentialRow.player_id == PlayerRow.id)
         .where(CredentialRow.secret_hash == secret_hash, _is_valid())
     )
-    found = session.execute(query).one_or_none()
-    if found is None:
+    match = session.execute(query).one_or_none()
+    if match is None:
         return None
-    row, persons_role = found
+    row, persons_role = match
     memberships = select(MembershipRow.behaviour_id).where(MembershipRow.player_id == row.player_id)
     return Identity(
         row.id,

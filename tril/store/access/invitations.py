@@ -67,9 +67,9 @@ def make(
         raise Invalid(
             "Name the behaviour that a participant is to play; researchers see all behaviours."
         )
-    for value, most, what in ((max_uses, MAX_USES, "people"), (days, MAX_DAYS, "days")):
-        if not 1 <= value <= most:
-            raise Invalid(f"A link lets people in for 1 to {most} {what}, got {value}.")
+    for value, maximum, unit in ((max_uses, MAX_USES, "people"), (days, MAX_DAYS, "days")):
+        if not 1 <= value <= maximum:
+            raise Invalid(f"A link lets people in for 1 to {maximum} {unit}, got {value}.")
     if behaviour_id is not None:
         behaviours.get(session, behaviour_id)
     if len(listing(session, limit=MAX_INVITATIONS)) >= MAX_INVITATIONS:

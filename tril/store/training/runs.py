@@ -56,10 +56,10 @@ def get_done(session: Session, run_id: str) -> RunRow:
 
 def lineage(session: Session, row: RunRow) -> list[RunRow]:
     """Return a run, the run that it continues, and so on; deleted ones too."""
-    found = [row]
-    while (parent := found[-1].parent_run_id) is not None:
-        found.append(session.get_one(RunRow, parent))
-    return found
+    rows = [row]
+    while (parent := rows[-1].parent_run_id) is not None:
+        rows.append(session.get_one(RunRow, parent))
+    return rows
 
 
 def listing(
