@@ -54,9 +54,9 @@ def pick_states(rewards: Sequence[npt.NDArray[np.float32]]) -> tuple[NamedState,
     Returns:
         The states in the order of AttentionState; of equal rewards the earliest comes first.
     """
-    found = states_at(rewards, [name.quantile for name in AttentionState])
+    states = states_at(rewards, [name.quantile for name in AttentionState])
     return tuple(
-        NamedState(name, *state) for name, state in zip(AttentionState, found, strict=True)
+        NamedState(name, *state) for name, state in zip(AttentionState, states, strict=True)
     )
 
 

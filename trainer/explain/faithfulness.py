@@ -100,15 +100,15 @@ def measure_faithfulness(
     )
     measured = [
         MeasuredOrder(
-            deletion=float(one.mean() / scale),
-            insertion=float(other.mean() / scale),
-            hidden_fifth=float(one[round(BRIGHTEST * POINTS)] / scale),
+            deletion=float(deletion.mean() / scale),
+            insertion=float(insertion.mean() / scale),
+            hidden_fifth=float(deletion[round(BRIGHTEST * POINTS)] / scale),
         )
-        for one, other in zip(deleted, inserted, strict=True)
+        for deletion, insertion in zip(deleted, inserted, strict=True)
     ]
     return Faithfulness(map=measured[0], random=_mean(measured[1:]))
 
 
 def _mean(orders: list[MeasuredOrder]) -> MeasuredOrder:
-    values = [one.model_dump() for one in orders]
+    values = [order.model_dump() for order in orders]
     return MeasuredOrder(**{key: float(np.mean([v[key] for v in values])) for key in values[0]})

@@ -144,9 +144,9 @@ def play_labelled(
         observations.append(game.observation)
         labels.append(label)
         on_step()
-    seen = Trajectory(np.stack(observations), np.array(labels, np.int64), game.taken, game.end)
+    labelled = Trajectory(np.stack(observations), np.array(labels, np.int64), game.taken, game.end)
     share = None if policy is None else agreed / len(labels)
-    return LabelledGame(seen, game.episode.actions, start, share)
+    return LabelledGame(labelled, game.episode.actions, start, share)
 
 
 class _Training:
@@ -252,11 +252,11 @@ class _Training:
             self._device,
         )
         policy.set_training_mode(False)
-        found, _ = evaluate_snapshot(
+        predicted_return, _ = evaluate_snapshot(
             self._task.game, Policy(policy), self._shaping, recipe, on_step
         )
         save_policy(policy, self._policy_file(steps))
-        self.snapshots.append(SnapshotScore(steps, found))
+        self.snapshots.append(SnapshotScore(steps, predicted_return))
         return result
 
     def _report_curves(self, expert_share: float, result: CloneResult) -> None:
@@ -272,11 +272,11 @@ class _Training:
         self._progress.advance(min(self._steps, self._task.steps), self._task.steps, values)
 
     def _game_metrics(self, game: LabelledGame) -> dict[str, float]:
-        seen = game.seen
-        rewards = self._task.model.score(seen.observations[1:])
+        trajectory = game.seen
+        rewards = self._task.model.score(trajectory.observations[1:])
         values = {"predicted_return": float(rewards.sum(dtype=np.float64))}
-        died = seen.end in DEATHS
-        values |= episode_metrics(self._task.behaviour, seen.n_steps, seen.taken, died)
+        died = trajectory.end in DEATHS
+        values |= episode_metrics(self._task.behaviour, trajectory.n_steps, trajectory.taken, died)
         if game.agreed is not None:
             values["agreement"] = game.agreed
         return values
@@ -286,9 +286,9 @@ class _Training:
 
     def _drop_superseded(self) -> None:
         """Remove all policies but the best and the latest."""
-        kept = {self.best, self._policy_file(self._learned_steps)}
+        needed = {self.best, self._policy_file(self._learned_steps)}
         for path in self._folder.glob("policy-*.zip"):
-            if path not in kept:
+            if path not in needed:
                 path.unlink()
 
     def _save(self) -> None:
@@ -341,6 +341,6 @@ def _to_dict(game: LabelledGame) -> dict[str, Any]:
 def _from_dict(data: dict[str, Any], console: Console) -> LabelledGame:
     start, executed = AtariStart(**data["start"]), base64.b64decode(data["executed"])
     labels: npt.NDArray[np.uint8] = np.frombuffer(base64.b64decode(data["labels"]), np.uint8)
-    seen = trajectory(Recording(SPACE_INVADERS, start, executed), console)
-    seen = replace(seen, actions=labels.astype(np.int64))
-    return LabelledGame(seen, executed, start, data["agreed"])
+    labelled = trajectory(Recording(SPACE_INVADERS, start, executed), console)
+    labelled = replace(labelled, actions=labels.astype(np.int64))
+    return LabelledGame(labelled, executed, start, data["agreed"])

@@ -76,11 +76,15 @@ class Discriminator:
             Invalid: There is none.
         """
         console = task.game.make_console()
-        shown = [trajectory(recording, console) for recording in task.perfect if recording.actions]
-        if not shown:
+        demonstrations = [
+            trajectory(recording, console) for recording in task.perfect if recording.actions
+        ]
+        if not demonstrations:
             raise Invalid("GAIL needs at least one perfect demonstration to learn from.")
         # Not the last states: the policy's rollouts have none in which a game was over either.
-        acted_in = np.concatenate([one.observations[:-1] for one in shown])
+        acted_in = np.concatenate(
+            [demonstration.observations[:-1] for demonstration in demonstrations]
+        )
         screens = channels_last_screens(acted_in)
         return cls(screens, task.recipe.gail, task.training_seed, device)
 

@@ -126,23 +126,25 @@ def play(
             ended = step.ended[:, None, None, None]
             reached = np.where(ended, step.terminal_observations, step.observations)
             _score(model, reached, playing, rewards)
-            finished |= {one.game: one for one in step.finished}
+            finished |= {game_end.game: game_end for game_end in step.finished}
             observations = step.observations
             playing = np.array([i for i in playing if i not in finished], np.int64)
             progress.advance(int(step.steps.max(initial=0)), max_steps)
     progress.advance(max_steps, max_steps)
     return [
         EvaluatedGame(
-            start=one.start,
-            recording=Recording(game, one.start, one.actions, end_rule=end_rule),
-            taken=one.taken,
-            end=one.end,
-            died=one.died,
-            counters=one.counters,
-            score=one.score,
+            start=finished_game.start,
+            recording=Recording(
+                game, finished_game.start, finished_game.actions, end_rule=end_rule
+            ),
+            taken=finished_game.taken,
+            end=finished_game.end,
+            died=finished_game.died,
+            counters=finished_game.counters,
+            score=finished_game.score,
             rewards=None if model is None else np.array(rewards[index], np.float32),
         )
-        for index, one in sorted(finished.items())
+        for index, finished_game in sorted(finished.items())
     ]
 
 

@@ -100,7 +100,7 @@ class ImitatorResult:
 
 def best_snapshot(snapshots: Sequence[SnapshotScore]) -> SnapshotScore:
     """Return the snapshot of the highest return; of equal ones the latest."""
-    return max(snapshots, key=lambda one: (one.predicted_return, one.steps))
+    return max(snapshots, key=lambda snapshot: (snapshot.predicted_return, snapshot.steps))
 
 
 def evaluate_snapshot(
@@ -132,7 +132,7 @@ def evaluate_snapshot(
         progress=CallbackProgress(on_step),
     )
     returns = [
-        shaping.shaped_return(one.rewards, one.died) for one in games if one.rewards is not None
+        shaping.shaped_return(game.rewards, game.died) for game in games if game.rewards is not None
     ]
     return float(np.mean(returns)), games
 
@@ -150,8 +150,8 @@ def snapshot_starts(game: Game, recipe: Recipe) -> list[Start | Opening]:
 
 def training_starts(game: Game, recipe: Recipe) -> tuple[Start, ...]:
     """Return the starts that training games begin from."""
-    own = tuple(game.starts.evaluation(number) for number in recipe.policy.own_starts)
-    return own or tuple(game.starts.training)
+    starts = tuple(game.starts.evaluation(number) for number in recipe.policy.own_starts)
+    return starts or tuple(game.starts.training)
 
 
 def episode_metrics(
@@ -159,7 +159,7 @@ def episode_metrics(
 ) -> dict[str, float]:
     """Return the points of the curves for an episode; targets if the behaviour has target cells."""
     values = {"episode_steps": float(n_steps), "death_rate": float(died)}
-    cells = tuple(one.cell for one in taken)
+    cells = tuple(item.cell for item in taken)
     scored = score(behaviour, cells) if behaviour else None
     if scored is not None:
         values |= {"hits": float(scored.targets), "strays": float(scored.strays)}

@@ -233,7 +233,9 @@ class _Reporter:
         if self.recent:
             # Episodes in the checkpoint of an earlier version may lack a name.
             for name in self.recent[-1]:
-                values[name] = float(np.mean([one[name] for one in self.recent if name in one]))
+                values[name] = float(
+                    np.mean([metrics[name] for metrics in self.recent if name in metrics])
+                )
         self._progress.advance(self.steps, self._task.steps, values)
 
 
@@ -287,10 +289,10 @@ class _TrainingCallback(BaseCallback):
 
     def _between_rollouts(self) -> None:
         self._reporter.report_rollout(self._train_discriminator())
-        done = self._ppo.num_timesteps
+        steps = self._ppo.num_timesteps
         last = max((s.steps for s in self.snapshots), default=0)
-        is_due = any(last < due <= done for due in self._task.recipe.policy.snapshot_steps)
-        if is_due or (done >= self._task.steps and last < done):
+        is_due = any(last < step <= steps for step in self._task.recipe.policy.snapshot_steps)
+        if is_due or (steps >= self._task.steps and last < steps):
             self._take_snapshot()
         if is_due or time.monotonic() - self._saved_at >= CHECKPOINT_INTERVAL_S:
             self._save()
@@ -315,10 +317,10 @@ class _TrainingCallback(BaseCallback):
         policy, steps = self._ppo.policy, self._ppo.num_timesteps
         policy.set_training_mode(False)
         shaping, on_step = self._env.reward_shaping, self._reporter.on_step
-        found, games = evaluate_snapshot(
+        predicted_return, games = evaluate_snapshot(
             self._task.game, Policy(policy), shaping, self._task.recipe, on_step
         )
-        self.snapshots.append(SnapshotScore(steps, found))
+        self.snapshots.append(SnapshotScore(steps, predicted_return))
         if best_snapshot(self.snapshots).steps == steps:
             save_policy(policy, self._folder / _BEST)
         self._on_snapshot(Snapshot(policy, steps, games))

@@ -106,7 +106,7 @@ def learn_to_see(screens: Screens, seed: int) -> tuple[ScreenPolicy, dict[str, d
     rng = np.random.default_rng(seed)
     policy = new_policy(FAST.policy.network, SPACE_INVADERS.controls.n_actions, 0.0, rng)
     targets = [screens.memory(screens.varying()), screens.hits(), screens.shots()]
-    n_flags = sum(one.flags.shape[1] for one in targets)
+    n_flags = sum(target.flags.shape[1] for target in targets)
     with torch_seeded(rng):
         predicted = nn.Linear(policy.features_extractor.features_dim, n_flags)
     weights = [*policy.features_extractor.parameters(), *predicted.parameters()]
@@ -175,9 +175,11 @@ def main() -> None:
     games = [play_varied(rng, console).recording for _ in range(N_STARTING_GAMES)]
     with tempfile.TemporaryDirectory() as folder:
         policy = learn_to_survive(policy, games, arguments.steps, arguments.seed, Path(folder))
-    said = json.dumps(figures | {"n_steps": arguments.steps, "death_rate": death_rate(policy)})
-    save_pretrained(policy, arguments.output, said)
-    sys.stdout.write(f"{said}\n")
+    figures_text = json.dumps(
+        figures | {"n_steps": arguments.steps, "death_rate": death_rate(policy)}
+    )
+    save_pretrained(policy, arguments.output, figures_text)
+    sys.stdout.write(f"{figures_text}\n")
 
 
 if __name__ == "__main__":

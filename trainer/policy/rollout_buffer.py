@@ -126,10 +126,10 @@ class ScreenRolloutBuffer(RolloutBuffer):
         log_probs: Tensor,
     ) -> None:
         """Write the games' actions in a step, the values before it and the log probabilities."""
-        own = slice(games.start, games.stop)
-        self.actions[step, own, 0] = actions
-        self.values[step, own] = values.numpy()
-        self.log_probs[step, own] = log_probs.numpy()
+        columns = slice(games.start, games.stop)
+        self.actions[step, columns, 0] = actions
+        self.values[step, columns] = values.numpy()
+        self.log_probs[step, columns] = log_probs.numpy()
 
     def put_rewards(self, rewards: npt.NDArray[np.float32]) -> None:
         """Write the rewards of all steps, float32 (steps, games), which completes the rollout."""

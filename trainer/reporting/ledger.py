@@ -91,11 +91,11 @@ class LedgerGame(NamedTuple):
 
     def figures(self, behaviour: Behaviour) -> GameFigures:
         """Return the game in numbers."""
-        found = score(behaviour, self.hits)
+        outcome = score(behaviour, self.hits)
         return GameFigures(
-            None if found is None else found.targets,
-            None if found is None else found.strays,
-            None if found is None else found.order_errors,
+            None if outcome is None else outcome.targets,
+            None if outcome is None else outcome.strays,
+            None if outcome is None else outcome.order_errors,
             self.steps,
             self.died,
             self.predicted_return,
@@ -152,7 +152,7 @@ class Entry:
     @property
     def has_levels(self) -> bool:
         """Whether the final levels of all demonstrations are known."""
-        return all(one.final_level is not None for one in self.demonstrations)
+        return all(demonstration.final_level is not None for demonstration in self.demonstrations)
 
     @property
     def minutes(self) -> float:
@@ -195,18 +195,18 @@ class Ledger:
     @property
     def extrapolations(self) -> Sequence[Extrapolation]:
         """The results of extrapolation experiments, in their order."""
-        return [self._extrapolations[one] for one in sorted(self._extrapolations)]
+        return [self._extrapolations[key] for key in sorted(self._extrapolations)]
 
-    def missing(self, wanted: Iterable[Key]) -> list[Key]:
+    def missing(self, keys: Iterable[Key]) -> list[Key]:
         """Return which results are not there, in the order given."""
-        known: set[object] = {*self._entries, *self._extrapolations}
-        return [key for key in wanted if key not in known]
+        present: set[object] = {*self._entries, *self._extrapolations}
+        return [key for key in keys if key not in present]
 
     def add(self, result: Entry | Extrapolation) -> None:
         """Add or replace a result, and write the file as a whole."""
         self._keep(result)
         results: list[Entry | Extrapolation] = [*self.entries, *self.extrapolations]
-        lines = [_RESULT.dump_json(one) for one in results]
+        lines = [_RESULT.dump_json(result) for result in results]
         self.path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(self.path, b"".join(line + b"\n" for line in lines))
 

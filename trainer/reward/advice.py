@@ -77,5 +77,7 @@ def warning(check: RankingCheck) -> str:
 
 def _named(pairs: Sequence[tuple[int, int]]) -> str:
     named = ", ".join(f"{better} and {worse}" for better, worse in pairs[:MAX_NAMED])
-    more = len(pairs) - MAX_NAMED
-    return named + (f" and {more} more pair{'s' if more > 1 else ''}" if more > 0 else "")
+    n_unnamed = len(pairs) - MAX_NAMED
+    return named + (
+        f" and {n_unnamed} more pair{'s' if n_unnamed > 1 else ''}" if n_unnamed > 0 else ""
+    )

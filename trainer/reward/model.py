@@ -142,8 +142,8 @@ def swept_to(aliens: Tensor) -> Tensor:
     Args:
         aliens: float32 (N, 36), the probability that each is left, row by row.
     """
-    gone = 1.0 - aliens.reshape(-1, ROWS, COLUMNS)
-    swept: Tensor = gone.cumprod(2)[:, :, 1:]
+    cleared = 1.0 - aliens.reshape(-1, ROWS, COLUMNS)
+    swept: Tensor = cleared.cumprod(2)[:, :, 1:]
     return swept.flatten(1)
 
 
@@ -331,8 +331,8 @@ class RewardModel:
         tensors = prefixed(_NETWORK, self.network.state_dict(), ".")
         if self.spread is not None:
             # Versions that do not know it read the network alone.
-            own = {"weight": self.spread.weight, "bias": self.spread.bias}
-            tensors |= prefixed(_SPREAD, own, ".")
+            tensors_of_spread = {"weight": self.spread.weight, "bias": self.spread.bias}
+            tensors |= prefixed(_SPREAD, tensors_of_spread, ".")
         header = {
             "offsets": [self.offset],
             "scales": [self.scale],

@@ -125,12 +125,12 @@ class PreferenceDataset:
         observed = [_observed(*pair) for pair in zip(trajectories, of_ranked, strict=True)]
         indices = []
         if recipe.method != "paper":
-            for trajectory, ranked_as, found in zip(
+            for trajectory, ranked_as, game_facts in zip(
                 perfect.trajectories, perfect.ranked_as, of_perfect, strict=True
             ):
                 indices.append(len(observed) if ranked_as is None else ranked_as)
                 if ranked_as is None:
-                    observed.append(_observed(trajectory, found))
+                    observed.append(_observed(trajectory, game_facts))
         return cls(
             tuple(observed),
             tuple(tuple(tier) for tier in tiers),

@@ -61,7 +61,9 @@ def pretrain(screens: Screens, seed: int) -> tuple[RewardNetwork, dict[str, dict
         second = network.layers[1](F.leaky_relu(network.first(inputs)))
         return memory(network.hidden_values(second))  # type: ignore[no-any-return]
 
-    weights = [one for name, one in network.named_parameters() if not name.startswith("output")]
+    weights = [
+        weight for name, weight in network.named_parameters() if not name.startswith("output")
+    ]
     return network, learn_to_read(read, weights, screens, targets, N_EPOCHS, rng)
 
 
@@ -72,7 +74,7 @@ def pretrained_network(rng: np.random.Generator) -> RewardNetwork:
         rng: Source of the output's first weights.
     """
     tensors, metadata = load_tensors(WEIGHTS)
-    weights = {name: one.float() for name, one in tensors.items()}
+    weights = {name: tensor.float() for name, tensor in tensors.items()}
     network = network_of(weights, Order(metadata["order"]))
     with torch_seeded(rng):
         network.output = nn.Linear(network.output.in_features, 1)
@@ -117,7 +119,7 @@ def main() -> None:
         low = play_games(arguments.low_rows, seed, n_processes, player=play_low_rows)
         screens = screens.with_games(low)
     network, figures = pretrain(screens, seed)
-    halves = {name: one.half() for name, one in network.state_dict().items()}
+    halves = {name: tensor.half() for name, tensor in network.state_dict().items()}
     metadata = {"figures": json.dumps(figures), "order": network.order}
     save_tensors(arguments.output, halves, metadata)
     sys.stdout.write(f"{json.dumps(figures)}\n")

@@ -145,12 +145,12 @@ class RunContext:
             digest = artifact_rows.digest(content)
             artifact_rows.save(session, self.run_id, kind, name, media_type, size, details, digest)
 
-    def finish_stage(self, stage: Stage, seconds: float, found: RunOutcome | None = None) -> None:
+    def finish_stage(self, stage: Stage, seconds: float, outcome: RunOutcome | None = None) -> None:
         """Write that a stage is finished, and what it has found, in one transaction."""
         with self.database.writing() as session:
             row = leases.finish_stage(session, self.lease, stage, seconds)
-            if found is not None:
-                row.outcome = row.outcome.with_those_of(found)
+            if outcome is not None:
+                row.outcome = row.outcome.with_those_of(outcome)
         self.run = row
 
 

@@ -164,11 +164,11 @@ class TcpServer(socketserver.ThreadingTCPServer):
         self._places = threading.BoundedSemaphore(MAX_CONNECTIONS)
         address = endpoint.address
         try:
-            (family, *_, found), *_ = socket.getaddrinfo(
+            (family, *_, socket_address), *_ = socket.getaddrinfo(
                 address.host, address.port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
             )
             self.address_family = family
-            super().__init__(found, _Handler)  # type: ignore[arg-type]
+            super().__init__(socket_address, _Handler)  # type: ignore[arg-type]
         except OSError as problem:
             raise Unavailable(
                 f"The inference process can't listen at {address}: {problem.strerror}. If it runs"

@@ -106,15 +106,15 @@ class Pipeline:
     def sweep(self) -> None:
         """Remove the checkpoints of runs that are done or deleted, and their copies."""
         folders = self._settings.data / "runs"
-        found = [folder.name for folder in folders.iterdir()] if folders.is_dir() else []
+        run_ids = [folder.name for folder in folders.iterdir()] if folders.is_dir() else []
         if self._copies_checkpoints:
             try:
-                found += self._artifacts.names(COPIES)
+                run_ids += self._artifacts.names(COPIES)
             except ArtifactStoreUnavailable as problem:
                 log.warning("Old copies of checkpoints could not be looked for: %s", problem)
         with self._database.reading() as session:
-            past = runs.not_resumable(session, set(found))
-        for run_id in past:
+            not_resumable = runs.not_resumable(session, set(run_ids))
+        for run_id in not_resumable:
             self._remove_checkpoints(run_id)
 
     def _remove_checkpoints(self, run_id: str) -> None:
@@ -265,9 +265,9 @@ class Pipeline:
         context.check_cancelled()
         progress = StageProgress(context, stage)
         progress.report()
-        found = STAGE_WORK[stage](data, progress)
+        outcome = STAGE_WORK[stage](data, progress)
         seconds = progress.seconds()
-        context.finish_stage(stage, seconds, found)
+        context.finish_stage(stage, seconds, outcome)
         log.info("Run %s: stage %s is finished after %.1f s.", context.run_id, stage, seconds)
 
     def _repair(self, data: RunData, stage: Stage, problem: Exception) -> str | None:

@@ -118,21 +118,21 @@ class RunData:
             [self._facts[number] for number in self.snapshot.ranked],
             [self._facts[number] for number in self.snapshot.perfect],
             self._varied,
-            [Answer(frozenset(one.subjects), one.meant) for one in self.snapshot.answers],
+            [Answer(frozenset(answer.subjects), answer.meant) for answer in self.snapshot.answers],
         )
 
     def recordings(self, ids: Sequence[int]) -> dict[int, Recording]:
         """Return recordings by id; deleted ones too, since the run was made with them."""
         missing = [number for number in ids if number not in self._recordings]
         with self.context.database.reading() as session:
-            found = recordings.by_ids(session, missing)
+            rows = recordings.by_ids(session, missing)
             self._recordings |= {
                 number: recordings.as_recording(row).as_seen_in(self.context.game)
-                for number, row in found.items()
+                for number, row in rows.items()
             }
-        gone = [number for number in ids if number not in self._recordings]
-        if gone:
-            raise Invalid(f"Recordings {gone} of this training are no longer in the database.")
+        deleted = [number for number in ids if number not in self._recordings]
+        if deleted:
+            raise Invalid(f"Recordings {deleted} of this training are no longer in the database.")
         return {number: self._recordings[number] for number in ids}
 
     def trajectories(
@@ -149,8 +149,8 @@ class RunData:
         """
         progress = progress or NullProgress()
         console: Console | None = None
-        found = self.recordings(ids)
-        for count, (number, recording) in enumerate(found.items(), start=1):
+        recordings_by_id = self.recordings(ids)
+        for count, (number, recording) in enumerate(recordings_by_id.items(), start=1):
             if number not in self._trajectories:
                 console = console or recording.game.make_console()
                 try:
@@ -160,7 +160,7 @@ class RunData:
                         refusal
                     )
                 self.context.check_cancelled()
-            progress.advance(count, len(found))
+            progress.advance(count, len(recordings_by_id))
         return [self._trajectories[number] for number in ids]
 
     def keep_reward_model(self, model: RewardModel) -> None:

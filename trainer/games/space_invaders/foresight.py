@@ -59,9 +59,9 @@ class Lookahead:
         for move, (first, further) in enumerate(MOVES if state.end is None else ()):
             died_after = self._play(state, first, further)
             hits[move] = [died_after <= steps for steps in HIT_WITHIN]
-            new = self._episode.taken[len(state.taken) :]
-            if new and not state.readout["missile_in_air"]:
-                shots[move, new[0].row, new[0].column] = True
+            new_hits = self._episode.taken[len(state.taken) :]
+            if new_hits and not state.readout["missile_in_air"]:
+                shots[move, new_hits[0].row, new_hits[0].column] = True
         return np.concatenate([hits.ravel(), shots.ravel()])
 
     def _play(self, state: EpisodeState, first: Action, further: Action) -> int:
