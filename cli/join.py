@@ -137,9 +137,9 @@ def _ask(url: str, key: str) -> dict[str, str]:
 
 def _refusal(url: str, error: urllib.error.HTTPError) -> Exception:
     try:
-        said = str(json.loads(error.read(MAX_ANSWER_BYTES))["detail"])
+        detail = str(json.loads(error.read(MAX_ANSWER_BYTES))["detail"])
     except (ValueError, KeyError, TypeError, OSError):
-        said = ""
+        detail = ""
     if error.code == HTTPStatus.UNAUTHORIZED:
         return Forbidden(
             "The server does not know this key; it may have been revoked. Make another one on the"
@@ -147,12 +147,12 @@ def _refusal(url: str, error: urllib.error.HTTPError) -> Exception:
         )
     if error.code in {HTTPStatus.NOT_FOUND, HTTPStatus.METHOD_NOT_ALLOWED} or error.code < 400:
         where = error.headers.get("Location")
-        more = f" It sends to {where}: join that address." if where else ""
+        hint = f" It sends to {where}: join that address." if where else ""
         return Unavailable(
-            f"What answers at {url} is no server of this version ({__version__}) of Tril.{more}"
+            f"What answers at {url} is no server of this version ({__version__}) of Tril.{hint}"
         )
-    if said:
-        return Unavailable(f"The server refuses: {said}")
+    if detail:
+        return Unavailable(f"The server refuses: {detail}")
     return Unavailable(f"The server at {url} answers with status {error.code}; its log says more.")
 
 

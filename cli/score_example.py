@@ -41,9 +41,9 @@ def score_example(workspace: Workspace, game: Game, n_games: int, seed: int) -> 
     """
     name = f"{game.title} by score ({n_games} games, seed {seed})"
     with workspace.database.reading() as session:
-        known = {row.name: row for row in behaviours.listing(session) if row.game == game.name}
-        if name in known:
-            return known[name].slug
+        rows = {row.name: row for row in behaviours.listing(session) if row.game == game.name}
+        if name in rows:
+            return rows[name].slug
     games = _play(game, n_games, seed)
     games.sort(key=lambda played: played.replay.score, reverse=True)
     scores = [played.replay.score for played in games]

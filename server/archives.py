@@ -69,10 +69,12 @@ class ArchiveMaker:
             # Whoever asked for it is in the audit log.
             export.append("--unlogged")
             # Games come first.
-            done = run_program(
+            result = run_program(
                 ["nice", "-n", NICENESS, *export], self._timeout_s, "archive", environ=self._environ
             )
-            if done.returncode != 0:
-                _LOG.error("An archive could not be made: %s", done.stderr.decode(errors="replace"))
+            if result.returncode != 0:
+                _LOG.error(
+                    "An archive could not be made: %s", result.stderr.decode(errors="replace")
+                )
                 raise Unavailable("The archive could not be made; the server's log says why.")
             return path.read_bytes()

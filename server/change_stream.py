@@ -30,10 +30,10 @@ MOST_RECORDINGS = 50
 
 
 def _together(changes: Collection[Change]) -> Collection[Change]:
-    rest = [change for change in changes if change[0] != "recording"]
-    if len(changes) - len(rest) <= MOST_RECORDINGS:
+    other_changes = [change for change in changes if change[0] != "recording"]
+    if len(changes) - len(other_changes) <= MOST_RECORDINGS:
         return changes
-    return [*rest, (LIBRARY_CHANGED, "")]
+    return [*other_changes, (LIBRARY_CHANGED, "")]
 
 
 class _Listener:

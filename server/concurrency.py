@@ -19,14 +19,14 @@ class ConcurrencyLimit:
 
     Args:
         at_once: Most requests that work.
-        each: Most of one client's that work.
+        per_client: Most of one client's that work.
         waiting: Most of one client's that wait.
         wait_s: How long one waits.
     """
 
-    def __init__(self, at_once: int, each: int, waiting: int, wait_s: float) -> None:
+    def __init__(self, at_once: int, per_client: int, waiting: int, wait_s: float) -> None:
         self._n_free = at_once
-        self._each = each
+        self._per_client = per_client
         self._places = waiting
         self._wait_s = wait_s
         self._at_work: Counter[Hashable] = Counter()
@@ -85,7 +85,7 @@ class ConcurrencyLimit:
         for client in list(self._waiting):
             if not self._n_free:
                 return
-            if self._at_work[client] >= self._each:
+            if self._at_work[client] >= self._per_client:
                 continue
             turn = next((turn for turn in self._waiting[client] if not turn.done()), None)
             if turn is None:

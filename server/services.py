@@ -88,16 +88,16 @@ class Services:
     changes: ChangeStream
     storage: StorageMeter
     read_limit: ConcurrencyLimit = field(
-        default_factory=lambda: ConcurrencyLimit(at_once=4, each=1, waiting=64, wait_s=20)
+        default_factory=lambda: ConcurrencyLimit(at_once=4, per_client=1, waiting=64, wait_s=20)
     )
     write_limit: ConcurrencyLimit = field(
-        default_factory=lambda: ConcurrencyLimit(at_once=2, each=1, waiting=64, wait_s=20)
+        default_factory=lambda: ConcurrencyLimit(at_once=2, per_client=1, waiting=64, wait_s=20)
     )
     replay_limit: ConcurrencyLimit = field(
-        default_factory=lambda: ConcurrencyLimit(at_once=8, each=4, waiting=128, wait_s=120)
+        default_factory=lambda: ConcurrencyLimit(at_once=8, per_client=4, waiting=128, wait_s=120)
     )
     upload_limit: ConcurrencyLimit = field(
-        default_factory=lambda: ConcurrencyLimit(at_once=2, each=1, waiting=8, wait_s=120)
+        default_factory=lambda: ConcurrencyLimit(at_once=2, per_client=1, waiting=8, wait_s=120)
     )
 
 

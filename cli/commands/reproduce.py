@@ -174,13 +174,13 @@ def _run_on_ranking(
     workspace: Workspace, slug: str, recipe: Recipe, steps: int | None, training_seed: int
 ) -> str:
     """Return the newest run on a behaviour's ranking that is done or not over, else a new one."""
-    wanted = (recipe, steps or recipe.proposed_steps(ordered=False), training_seed)
+    key = (recipe, steps or recipe.proposed_steps(ordered=False), training_seed)
     with workspace.database.reading() as session:
         for row in runs.listing(session, behaviours.by_slug(session, slug).id):
             is_usable = row.status == RunStatus.DONE or not RunStatus(row.status).is_over
             if not is_usable or row.example or row.parent_run_id is not None:
                 continue
-            if (recipe_from_dict(row.recipe), row.steps, row.training_seed) == wanted:
+            if (recipe_from_dict(row.recipe), row.steps, row.training_seed) == key:
                 return row.id
     return start_run(workspace, slug, recipe, steps, training_seed, go_on_anyway=True)
 
@@ -251,11 +251,11 @@ def _extrapolate(recipe: Recipe, training_seeds: Sequence[int], output: Path) ->
 
     experiments = [Experiment.of(q, recipe, seed) for seed in training_seeds for q in QUANTITIES]
     lower_priority(Settings().learning_niceness)
-    for one in Ledger(output).missing(experiments):
-        label = f"Ranked by {one.quantity}, training seed {one.training_seed}"
+    for key in Ledger(output).missing(experiments):
+        label = f"Ranked by {key.quantity}, training seed {key.training_seed}"
         with progress_bar(label) as progress:
-            found = extrapolate(one.quantity, recipe, one.training_seed, progress)
-        Ledger(output).add(found)
+            result = extrapolate(key.quantity, recipe, key.training_seed, progress)
+        Ledger(output).add(result)
         console.print(f"{label}: done")
 
 

@@ -111,17 +111,19 @@ def migrate(
 def status(as_json: JsonOption = False) -> None:
     """List the processes of Tril on all machines, with what workers learn on and are at."""
     with open_workspace() as workspace, workspace.database.reading() as session:
-        found = processes.statuses(session)
-    for one in found:
+        statuses = processes.statuses(session)
+    for process in statuses:
         if as_json:
-            print_json(asdict(one))
+            print_json(asdict(process))
         else:
-            known = [str(one.details[key]) for key in ("host", "gpu") if one.details.get(key)]
-            if cores := one.details.get("cores"):
-                known.append(f"{cores} cores")
-            known += [f"run {run_id}" for run_id in one.details.get("runs", ())]
-            state = "busy" if one.busy else "running" if one.alive else "not responding"
-            console.print(f"{one.name}: {', '.join([state, *known])}")
+            details = [
+                str(process.details[key]) for key in ("host", "gpu") if process.details.get(key)
+            ]
+            if cores := process.details.get("cores"):
+                details.append(f"{cores} cores")
+            details += [f"run {run_id}" for run_id in process.details.get("runs", ())]
+            state = "busy" if process.busy else "running" if process.alive else "not responding"
+            console.print(f"{process.name}: {', '.join([state, *details])}")
 
 
 def health(service: Service) -> None:

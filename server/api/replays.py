@@ -81,9 +81,9 @@ def _source(
 Source = Annotated[_Source, Depends(_source)]
 
 
-def _file_route(*media_types: str, **more: Any) -> dict[str, Any]:
+def _file_route(*media_types: str, **extra_content: Any) -> dict[str, Any]:
     """Return what the routes of a recording's files have in common."""
-    file = {"content": {media_type: {} for media_type in media_types}, **more}
+    file = {"content": {media_type: {} for media_type in media_types}, **extra_content}
     return {
         "response_class": Response,
         "responses": NOT_FOUND | {200: file},
@@ -162,15 +162,17 @@ def get_reward_trace(request: Request, run_id: RunId, recording_id: RecordingId)
         recording = _as_learned_from(session, run_id, recording_id)
     content = services.replay_cache.get(recording, ReplayTask.OBSERVATIONS)
     judged = services.inference.judge(str(run_id), read_observations(content))
-    zero, one = services.inference.scale(str(run_id))
+    zero_level, unit_level = services.inference.scale(str(run_id))
     deviations = judged.deviations
     return RewardTrace(
         run_id=str(run_id),
         recording_id=recording_id,
         rewards=judged.rewards.tolist(),
-        levels=((judged.rewards - zero) / (one - zero)).tolist(),
+        levels=((judged.rewards - zero_level) / (unit_level - zero_level)).tolist(),
         reward_deviations=None if deviations is None else deviations.tolist(),
-        level_deviations=None if deviations is None else (deviations / (one - zero)).tolist(),
+        level_deviations=None
+        if deviations is None
+        else (deviations / (unit_level - zero_level)).tolist(),
     )
 
 
@@ -216,7 +218,7 @@ async def get_attention(
             recording = _as_learned_from(session, run_id, recording_id)
         content = services.replay_cache.get(recording, ReplayTask.OBSERVATIONS)
         observation = read_observation(content, step)
-        found = services.inference.attention(
+        attention = services.inference.attention(
             str(run_id),
             observation,
             network,
@@ -224,8 +226,8 @@ async def get_attention(
             given_up.is_set,
             recording.game.screen.background,
         )
-        headers = {} if found.action is None else {ACTION_HEADER: str(int(found.action))}
-        return Response(found.values.tobytes(), headers=headers, media_type=_BYTES)
+        headers = {} if attention.action is None else {ACTION_HEADER: str(int(attention.action))}
+        return Response(attention.values.tobytes(), headers=headers, media_type=_BYTES)
 
     async def watch() -> None:
         while not await request.is_disconnected():

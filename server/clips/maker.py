@@ -45,10 +45,10 @@ class ClipMaker:
 
     def _run(self, request: bytes) -> bytes:
         command = [sys.executable, "-m", "server.clips"]
-        done = run_program(command, self._timeout_s, "clip", request)
-        if done.returncode == REFUSED:
-            raise Invalid(done.stderr.decode(errors="replace"))
-        if done.returncode != 0 or not done.stdout:
-            _LOG.error("A clip could not be made: %s", done.stderr.decode(errors="replace"))
+        result = run_program(command, self._timeout_s, "clip", request)
+        if result.returncode == REFUSED:
+            raise Invalid(result.stderr.decode(errors="replace"))
+        if result.returncode != 0 or not result.stdout:
+            _LOG.error("A clip could not be made: %s", result.stderr.decode(errors="replace"))
             raise Unavailable("The clip could not be made; the server's log says why.")
-        return done.stdout
+        return result.stdout

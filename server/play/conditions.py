@@ -144,7 +144,7 @@ class PlayConditions(BaseModel):
 
     def until(self, frame: int) -> Self:
         """Return the conditions of the frames up to this one, keeping the current speed."""
-        kept = type(self)(
+        conditions = type(self)(
             presses=[(at, ms) for at, ms in self.presses if at <= frame],
             dropped=[at for at in self.dropped if at <= frame],
             speeds=[(at, percent) for at, percent in self.speeds if at < frame],
@@ -152,8 +152,8 @@ class PlayConditions(BaseModel):
             pauses=[at for at in self.pauses if at <= frame],
             begun_by=self._begun_by_until(frame),
         )
-        kept.set_speed(frame, self.speed_percent)
-        return kept
+        conditions.set_speed(frame, self.speed_percent)
+        return conditions
 
     def _begun_by_until(self, frame: int) -> BegunBy | None:
         if self.begun_by is None or frame == 0:

@@ -183,18 +183,18 @@ class PlayHub:
             for session in self._sessions.values()
             if session.needs_saving and session.phase is not Phase.ENDED
         }
-        due = games_due(tried_at, now, self._rules.save_every_s)
-        if not due:
+        due_sessions = games_due(tried_at, now, self._rules.save_every_s)
+        if not due_sessions:
             return
-        for session in due:
+        for session in due_sessions:
             session.save_tried_at = now
         try:
-            lost = await self._ownership.save([session.game for session in due])
+            lost = await self._ownership.save([session.game for session in due_sessions])
         except Unavailable as error:
-            for session in due:
+            for session in due_sessions:
                 await session.pause(str(error))
             return
-        for session in due:
+        for session in due_sessions:
             if session.game in lost:
                 await self._drop_lost(session)
 

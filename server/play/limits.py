@@ -37,8 +37,8 @@ class WatchedGames:
 
     def details(self) -> dict[str, dict[str, int]]:
         """Return what the heartbeat says of them, JSON-serialisable."""
-        held = {str(player): count for player, count in dict(self.of_players).items() if count}
-        return {_DETAIL: held} if held else {}
+        counts = {str(player): count for player, count in dict(self.of_players).items() if count}
+        return {_DETAIL: counts} if counts else {}
 
     def count_everywhere(self, session: Session, player_id: int | None = None) -> int:
         """Count those of all processes, of a person or of all."""
@@ -48,8 +48,8 @@ class WatchedGames:
             if status.alive and status.kind == "server" and status.name != self.process
         ]
         if player_id is None:
-            return sum(sum(held.values()) for held in counts)
-        return sum(held.get(player_id, 0) for held in counts)
+            return sum(sum(counts_of_process.values()) for counts_of_process in counts)
+        return sum(counts_of_process.get(player_id, 0) for counts_of_process in counts)
 
 
 _DETAIL = "watched"

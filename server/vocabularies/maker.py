@@ -134,5 +134,5 @@ class VocabularyMaker:
             status = process.wait()
             if status != 0 and not self._stopping:
                 errors.seek(max(errors.seek(0, os.SEEK_END) - _LOG_TAIL_BYTES, 0))
-                said = errors.read().decode(errors="replace")
-                _LOG.error("The vocabulary of %s could not be made: %s", game.title, said)
+                log = errors.read().decode(errors="replace")
+                _LOG.error("The vocabulary of %s could not be made: %s", game.title, log)

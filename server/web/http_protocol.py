@@ -143,8 +143,10 @@ class HttpProtocol(H11Protocol):
     def handle_websocket_upgrade(self, event: h11.Request) -> None:
         """Hand the connection and its slot to the WebSocket."""
         # Of the lists in a handshake none is of use: no subprotocol and no extension is spoken.
-        kept = [(name, value) for name, value in self.headers if name not in _UNUSED_IN_HANDSHAKES]
-        self.headers = [*kept, (b"connection", b"Upgrade")]
+        headers = [
+            (name, value) for name, value in self.headers if name not in _UNUSED_IN_HANDSHAKES
+        ]
+        self.headers = [*headers, (b"connection", b"Upgrade")]
         super().handle_websocket_upgrade(event)
         self._stop_watching()
         websocket = self.transport.get_protocol()

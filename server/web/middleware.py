@@ -76,10 +76,10 @@ class SameOrigin:
         origin = headers.get("origin")
         if origin is not None:
             scheme = origin.partition("://")[0].lower()
-            own = _host_and_port(f"{scheme}://{headers['host']}")
+            own_host = _host_and_port(f"{scheme}://{headers['host']}")
             # A page that came without encryption may be anybody's.
             allowed = {"https"} if scope["scheme"] in {"https", "wss"} else {"http", "https"}
-            if scheme not in allowed or _host_and_port(origin) != own:
+            if scheme not in allowed or _host_and_port(origin) != own_host:
                 return "Requests from other sites' pages are refused."
         elif _is_api(scope) and headers.get("sec-fetch-site") in {"cross-site", "same-site"}:
             return "Requests from other sites' pages are refused."
@@ -249,10 +249,12 @@ def _with_own_cookie(headers: RawHeaders, name: bytes) -> RawHeaders:
     Starlette and FastAPI parse all cookies of every request by Python's ``http.cookies``, which
     before 3.11.10 takes minutes for 60 kB of backslashes between quotes (CVE-2024-7592).
     """
-    own = re.compile(rb"(?:^|;)[ \t]*%b=\"?([A-Za-z0-9._-]{1,128})\"?[ \t]*(?=;|$)" % name)
-    kept = [(key, value) for key, value in headers if key != b"cookie"]
-    found = [value for key, value in headers if key == b"cookie" for value in own.findall(value)]
-    return [*kept, (b"cookie", name + b"=" + found[-1])] if found else kept
+    cookie = re.compile(rb"(?:^|;)[ \t]*%b=\"?([A-Za-z0-9._-]{1,128})\"?[ \t]*(?=;|$)" % name)
+    other_headers = [(key, value) for key, value in headers if key != b"cookie"]
+    values = [
+        value for key, header in headers if key == b"cookie" for value in cookie.findall(header)
+    ]
+    return [*other_headers, (b"cookie", name + b"=" + values[-1])] if values else other_headers
 
 
 def _is_api(scope: Scope) -> bool:

@@ -345,8 +345,8 @@ async def check_permission(connection: HTTPConnection) -> None:
             " `tril people key NAME --worker`."
         )
     else:
-        who = "owner" if need is Need.OWNER else "owner and researchers"
-        refusal = Forbidden(f"Only the {who} may do this. Ask whoever runs this server.")
+        roles = "owner" if need is Need.OWNER else "owner and researchers"
+        refusal = Forbidden(f"Only the {roles} may do this. Ask whoever runs this server.")
     if connection.scope["type"] == "websocket":
         raise WebSocketException(1008, str(refusal))
     raise refusal
@@ -358,11 +358,11 @@ def refuse_behaviour_of_others(identity: Identity, behaviour_id: int) -> None:
         raise NotFound(_NOT_YOURS[Need.OWN_BEHAVIOUR])
 
 
-def for_reader(identity: Identity, shown: Shown) -> Shown:
+def for_reader(identity: Identity, response: Shown) -> Shown:
     """Return a response as its reader may see it, without the fields that are for researchers."""
     if not identity.is_participant:
-        return shown
-    return shown.model_copy(update=RESEARCHERS_FIELDS.get(type(shown).__name__, {}))
+        return response
+    return response.model_copy(update=RESEARCHERS_FIELDS.get(type(response).__name__, {}))
 
 
 def check_all_declared(operations: Iterable[str]) -> None:
@@ -387,7 +387,7 @@ async def _is_own(connection: HTTPConnection, need: Need, identity: Identity) ->
     """Whether what a path names is a participant's own; what is no id is nobody's."""
     if need is Need.OWN_BEHAVIOUR:
         behaviour_id = connection.path_params["behaviour_id"]
-        return behaviour_id in {str(own) for own in identity.behaviour_ids}
+        return behaviour_id in {str(behaviour) for behaviour in identity.behaviour_ids}
     name = "recording_id" if need is Need.OWN_RECORDING else "game_id"
     key = str(connection.path_params[name])
     access = services_of(connection).access

@@ -80,15 +80,15 @@ CONFLICT: dict[int | str, dict[str, Any]] = {
 def problem(status: int, detail: str, errors: list[dict[str, Any]] | None = None) -> JSONResponse:
     """Build an error response."""
     # They quote what was sent, which need not be text that UTF-8 can hold.
-    shown = None if errors is None else _printable_errors(errors)
-    body = Problem(detail=printable(detail, keep="\n"), errors=shown).model_dump()
+    printable_errors = None if errors is None else _printable_errors(errors)
+    body = Problem(detail=printable(detail, keep="\n"), errors=printable_errors).model_dump()
     return JSONResponse(body, status_code=status)
 
 
 def _printable_errors(errors: list[dict[str, Any]]) -> list[dict[str, Any]]:
     return [
-        {"where": [printable(part) for part in one["where"]], "what": printable(one["what"])}
-        for one in errors
+        {"where": [printable(part) for part in error["where"]], "what": printable(error["what"])}
+        for error in errors
     ]
 
 
@@ -139,8 +139,8 @@ def status_of(error: TrilError) -> int:
 async def _on_tril_error(_request: Request, error: Exception) -> Response:
     assert isinstance(error, TrilError)
     about = error.field
-    found = None if about is None else [{"where": ["body", about], "what": str(error)}]
-    return problem(status_of(error), str(error), found)
+    errors = None if about is None else [{"where": ["body", about], "what": str(error)}]
+    return problem(status_of(error), str(error), errors)
 
 
 async def _on_http_exception(_request: Request, error: Exception) -> Response:
@@ -152,12 +152,12 @@ async def _on_http_exception(_request: Request, error: Exception) -> Response:
 
 async def _on_validation_error(_request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
-    found: list[dict[str, Any]] = [
+    errors: list[dict[str, Any]] = [
         {"where": [str(part) for part in item["loc"]], "what": in_plain_words(item)}
         for item in islice(error.errors(), MAX_ERRORS)
     ]
-    first = found[0]["what"] if found else "The request can't be read."
-    return problem(422, first, found)
+    detail = errors[0]["what"] if errors else "The request can't be read."
+    return problem(422, detail, errors)
 
 
 _WRONG: Mapping[str, str] = {

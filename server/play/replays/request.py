@@ -238,8 +238,13 @@ def _understand(request: UnderstandRequest) -> Understood:
         return Understood((), 0.0, (0.0,) * len(request.summaries))
     return Understood(
         tuple(
-            Told(one.sentence, one.probability, one.subjects, one.kinds(words))
-            for one in tell(words, understanding.posterior, request.game, understanding.meant)
+            Told(
+                statement.sentence,
+                statement.probability,
+                statement.subjects,
+                statement.kinds(words),
+            )
+            for statement in tell(words, understanding.posterior, request.game, understanding.meant)
         ),
         understanding.posterior.log_odds,
         tuple(understanding.value(request.summaries).tolist()),

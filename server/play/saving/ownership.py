@@ -176,7 +176,7 @@ class GameOwnership:
         recorder = await asyncio.to_thread(
             self._rebuild, before.recording.until(frame), game.checkpoints.latest_until(frame)
         )
-        kept: RecordingRow | None = None
+        row: RecordingRow | None = None
         try:
             with suppress(Unavailable):
                 refusal = await find_refusal(
@@ -186,7 +186,7 @@ class GameOwnership:
                     lambda: session.is_stopping,
                 )
                 if not session.is_stopping:
-                    kept = await self._write(
+                    row = await self._write(
                         session,
                         lambda: partial(
                             self._branch,
@@ -196,9 +196,9 @@ class GameOwnership:
                         ),
                     )
         finally:
-            if kept is None:
+            if row is None:
                 self._consoles.give_back(recorder.episode.console)
-        return None if kept is None else RewoundGame(recorder, kept.id)
+        return None if row is None else RewoundGame(recorder, row.id)
 
     async def release(self, game: LiveGame) -> None:
         """Let a game's lease expire, so that it counts as left alone from now on."""
@@ -305,7 +305,7 @@ async def find_refusal(
     Raises:
         Unavailable: The recording could not be replayed.
     """
-    cells = [one.cell for one in taken]
+    cells = [item.cell for item in taken]
     while True:
         try:
             await asyncio.wrap_future(replays.submit(ReplayTask.CHECK, recording, cells))

@@ -260,8 +260,8 @@ class WatchHub:
             ).id
 
         game_id = await self._committer.run(take_over)
-        taken = Taken(lane=lane.number, game_id=game_id, behaviour_id=plan.behaviour_id)
-        await session.socket.close(Close.GAME_OVER, "You play on.", taken)
+        message = Taken(lane=lane.number, game_id=game_id, behaviour_id=plan.behaviour_id)
+        await session.socket.close(Close.GAME_OVER, "You play on.", message)
         await self.close(session)
 
     def _verify(self, recording: Recording) -> Verified:

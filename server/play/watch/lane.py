@@ -56,6 +56,6 @@ class Lane:
             BadMessage: It acknowledges a frame that was not sent.
         """
         self.connection.receive(ack)
-        shown = self.connection.shown_frame
-        if shown != self.game.episode.frame and (self.game.is_over or not is_playing):
+        shown_frame = self.connection.shown_frame
+        if shown_frame != self.game.episode.frame and (self.game.is_over or not is_playing):
             await self.show()

@@ -325,13 +325,13 @@ def lane_hits_after(
 
 def lane_ended(lane: int, behaviour: Behaviour, episode: Episode) -> LaneEnded:
     """Return the last message of a lane's game, which is over."""
-    found = score(behaviour, tuple(one.cell for one in episode.taken))
+    result = score(behaviour, tuple(item.cell for item in episode.taken))
     return LaneEnded(
         lane=lane,
         reason=str(episode.end),
         frame=episode.frame,
         hits=all_hits(behaviour, episode),
-        targets=None if found is None else found.targets,
-        strays=None if found is None else found.strays,
-        order_errors=None if found is None else found.order_errors,
+        targets=None if result is None else result.targets,
+        strays=None if result is None else result.strays,
+        order_errors=None if result is None else result.order_errors,
     )

@@ -230,13 +230,13 @@ class WatchSession:
         if asking is None or asking.done():
             asking = self._ask()
         stopped = asyncio.create_task(self._activity.stop_requested.wait())
-        both: set[asyncio.Task[Any]] = {asking, stopped}
+        tasks: set[asyncio.Task[Any]] = {asking, stopped}
         jumps = JumpDetector()
         is_said = False
         try:
             while True:
                 done, _ = await asyncio.wait(
-                    both, timeout=PATIENCE_S, return_when="FIRST_COMPLETED"
+                    tasks, timeout=PATIENCE_S, return_when="FIRST_COMPLETED"
                 )
                 jumps.check(PATIENCE_S)
                 if done:
