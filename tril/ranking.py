@@ -74,11 +74,12 @@ class Ranking:
         """Return the ranking without some recordings, dropping tiers that become empty."""
         return normalise((item for item in tier if item not in items) for tier in self.tiers)
 
-    def with_back(self, item: int, former: Ranking) -> Ranking:
-        """Return the ranking with a recording put back where an earlier one had it.
+    def with_restored(self, item: int, former: Ranking) -> Ranking:
+        """Return the ranking with a recording restored to its place in a former ranking.
 
-        It is tied with the first of its former tier that is still ranked; else it gets a tier of
-        its own below the nearest former tier above it or, without any, above the nearest one below.
+        It joins the first recording of its former tier that is still ranked. Otherwise it gets a
+        tier of its own below the nearest former tier above it or, without any, above the nearest
+        tier below.
 
         Args:
             item: The recording, which this ranking lacks.

@@ -41,7 +41,7 @@ class Recording:
 
     Attributes:
         game: The game.
-        start: How it began.
+        start: Start of the game.
         actions: The action executed at every frame, one byte each: an index of the game's actions.
         hashes: Console.state_hash() after every second; empty if they were not recorded.
         version: Version of the game that it was played on; "" for the one that is installed.
@@ -90,8 +90,8 @@ class Recording:
         """Number of agent steps, including one cut short by the end."""
         return self.game.clock.n_steps(len(self.actions))
 
-    def as_seen_in(self, game: Game) -> Recording:
-        """Return the recording with what a behaviour's game hides from learning."""
+    def with_hidden_areas_of(self, game: Game) -> Recording:
+        """Return the recording with the areas that a behaviour's game hides from learning."""
         settings = replace(self.game.settings, hidden=game.settings.hidden)
         return replace(self, game=self.game.with_settings(settings))
 
@@ -233,7 +233,7 @@ def replay(
     """Replay a recording until the episode or the actions end.
 
     Args:
-        recording: What to replay.
+        recording: Recording to replay.
         console: A console of its game to replay on; None makes one.
         on_frame: Called at the start and after every frame.
     """
@@ -274,8 +274,8 @@ def verify(
         recording: The recording; its hashes are compared if it has any.
         taken: The expected items, in order of time; None skips the comparison.
         console: A console of its game to replay on; None makes one.
-        rewards: What the game is expected to pay at every frame; None skips the comparison.
-        measures: What to measure in the same replay.
+        rewards: Expected reward of every frame; None skips the comparison.
+        measures: Measures to take in the same replay.
 
     Raises:
         RecordingRefused: It was played on another version of the game, or the replay differs.

@@ -20,7 +20,7 @@ from tril.demonstrators import KINDS, SCRIPTED, kind_named
 from tril.errors import Invalid
 from tril.files.artifact_store import ArtifactStore, write_whole
 from tril.games import game_named, game_of, published
-from tril.recipes import FAST, PAPER, RECIPES, Recipe, judged_where_trained, recipe_from_dict
+from tril.recipes import FAST, PAPER, RECIPES, Recipe, evaluated_on_own_start, recipe_from_dict
 from tril.store import behaviours
 from tril.store.models import RunRow, RunStatus
 from tril.store.training import runs
@@ -238,7 +238,7 @@ def _recipes(chosen: Recipe, *, own_starts: bool) -> list[Recipe]:
     """Return the recipes to be trained: the chosen one, or one for each start."""
     if not own_starts:
         return [chosen]
-    return [judged_where_trained(chosen, number) for number in chosen.evaluation.start_numbers]
+    return [evaluated_on_own_start(chosen, number) for number in chosen.evaluation.start_numbers]
 
 
 def _extrapolate(recipe: Recipe, training_seeds: Sequence[int], output: Path) -> None:

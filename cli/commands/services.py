@@ -154,7 +154,7 @@ def address(
         with open_workspace() as workspace:
             renew_token(workspace.settings.token_file)
             with workspace.database.writing() as session:
-                credentials.sign_everybody_out(session)
+                credentials.sign_out_all_browsers(session)
     with readable_errors():
         settings = read_settings()
         typer.echo(address_with_token(settings, page_url(settings)))

@@ -90,7 +90,7 @@ def get_checklist(session: ReadSession, identity: Who, behaviour_id: BehaviourId
         plans = example_plans(behaviour)
     except Invalid as error:
         return Checklist(planned=[], note=str(error))
-    brief = library.brief(session, behaviour_id, only_of=identity.sees_only)
+    brief = library.brief(session, behaviour_id, only_of=identity.visible_player_id)
     games = {
         entry.id: _played(entry)
         for entry in brief.entries

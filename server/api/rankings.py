@@ -169,7 +169,10 @@ def understand_ranking(
     def recordings_of(ids: Sequence[int]) -> dict[int, StoredRecording]:
         with services.database.reading() as session:
             rows = recordings.by_ids(session, ids)
-            return {key: recordings.as_recording(row).as_seen_in(game) for key, row in rows.items()}
+            return {
+                key: recordings.as_recording(row).with_hidden_areas_of(game)
+                for key, row in rows.items()
+            }
 
     understood = services.order_reader.read(
         game,

@@ -91,7 +91,7 @@ def list_recordings(
         with_deleted="deleted" in included,
         with_policies="policy" in included,
         with_undecided=True,
-        only_of=identity.sees_only,
+        only_of=identity.visible_player_id,
         undecided_only=undecided,
         before=before,
         limit=limit,
@@ -120,7 +120,7 @@ def get_library(
     """
     behaviour = behaviours.get(session, behaviour_id)
     brief = library.brief(
-        session, behaviour_id, since=since, with_deleted=deleted, only_of=identity.sees_only
+        session, behaviour_id, since=since, with_deleted=deleted, only_of=identity.visible_player_id
     )
     return library_response(session, identity, behaviour, brief)
 
@@ -138,7 +138,7 @@ def list_shown_recordings(
     own.
     """
     behaviours.get(session, behaviour_id)
-    rows = library.shown(session, behaviour_id, recording, identity.sees_only)
+    rows = library.shown(session, behaviour_id, recording, identity.visible_player_id)
     return RecordingViews(session, identity, behaviour_id).all(rows)
 
 
@@ -281,7 +281,7 @@ def get_recording_course(
         parent=parent_of(session, identity, row),
         branches=[
             Branch(recording_id=branch.id, frame=branch.parent_frame)
-            for branch in recordings.branches(session, row.id, identity.sees_only)
+            for branch in recordings.branches(session, row.id, identity.visible_player_id)
             if branch.parent_frame is not None
         ],
         conditions=shown_json(row.conditions),

@@ -151,7 +151,7 @@ def _as_learned_from(session: Session, run_id: RunId, recording_id: int) -> Reco
     behaviour_id = runs.get(session, str(run_id)).behaviour_id
     taught = behaviours.as_behaviour(session.get_one(BehaviourRow, behaviour_id))
     row = recordings.get(session, recording_id)
-    return recordings.as_recording(row).as_seen_in(game_of(taught))
+    return recordings.as_recording(row).with_hidden_areas_of(game_of(taught))
 
 
 @router.get("/runs/{run_id}/reward/{recording_id}", responses=NOT_FOUND, tags=["runs"])

@@ -15,7 +15,7 @@ from starlette.exceptions import HTTPException
 from starlette.responses import JSONResponse, Response
 
 from tril.errors import Conflict, Forbidden, Invalid, NotFound, TrilError, Unavailable
-from tril.store.database import DatabaseReplaced, is_away, is_busy
+from tril.store.database import DatabaseReplaced, is_busy, is_unreachable
 from tril.text import TextRefused, printable
 
 _LOG = logging.getLogger(__name__)
@@ -103,7 +103,7 @@ def explain_database_error(error: DBAPIError) -> Unavailable | None:
         return Unavailable(DATABASE_BUSY)
     if "disk i/o error" in text or "unable to open database file" in text:
         return Unavailable(DISK_FAILED)
-    if is_away(error):
+    if is_unreachable(error):
         return Unavailable(DATABASE_AWAY)
     return None
 

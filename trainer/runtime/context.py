@@ -150,7 +150,7 @@ class RunContext:
         with self.database.writing() as session:
             row = leases.finish_stage(session, self.lease, stage, seconds)
             if outcome is not None:
-                row.outcome = row.outcome.with_those_of(outcome)
+                row.outcome = row.outcome.updated_with(outcome)
         self.run = row
 
 

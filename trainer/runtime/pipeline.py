@@ -42,7 +42,7 @@ from tril.recipes import recipe_from_dict
 from tril.settings import Settings
 from tril.stages import Stage, stages_of
 from tril.store import behaviours
-from tril.store.database import Database, is_away, is_busy
+from tril.store.database import Database, is_busy, is_unreachable
 from tril.store.models import RunStatus
 from tril.store.training import leases, runs
 from tril.store.training.artifacts import ArtifactDamaged
@@ -245,7 +245,7 @@ class Pipeline:
         except Exception as problem:
             if isinstance(problem, ArtifactStoreUnavailable) and self._copies_checkpoints:
                 return self._wait_for_store(lease, problem)
-            if isinstance(problem, DBAPIError) and (is_away(problem) or is_busy(problem)):
+            if isinstance(problem, DBAPIError) and (is_unreachable(problem) or is_busy(problem)):
                 # Nothing is wrong with the run. If it can't be given back, its lease is revoked.
                 log.warning("Run %s: the database can't be written: %s", run_id, problem.orig)
                 return self._leave(lease, leases.release, GIVEN_BACK)

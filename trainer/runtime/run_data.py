@@ -127,7 +127,7 @@ class RunData:
         with self.context.database.reading() as session:
             rows = recordings.by_ids(session, missing)
             self._recordings |= {
-                number: recordings.as_recording(row).as_seen_in(self.context.game)
+                number: recordings.as_recording(row).with_hidden_areas_of(self.context.game)
                 for number, row in rows.items()
             }
         deleted = [number for number in ids if number not in self._recordings]

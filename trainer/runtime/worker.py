@@ -149,7 +149,7 @@ def _wait_until_empty(
     while not stopping.wait(EMPTY_POLL_S):
         try:
             with database.reading() as session:
-                if not any(run.device in devices for run in runs.not_over(session)):
+                if not any(run.device in devices for run in runs.unfinished(session)):
                     log.info("No run is left.")
                     return
         except SQLAlchemyError:

@@ -64,7 +64,7 @@ class Opinion:
     Attributes:
         place: Expected share of the ranked games that are better, 0 for the best to 1.
         best_place: The better end of a central interval of 68% (one standard deviation).
-        worst_place: Its worse end.
+        worst_place: Worse end of the interval.
         tier: Tier of ``place``, counted from 1 for the best.
         best_tier: Tier of ``best_place``.
         worst_tier: Tier of ``worst_place``.
@@ -91,7 +91,7 @@ class Opinions:
 
     Attributes:
         of: The opinion of each game, ranked or not.
-        labels: Which aliens are wanted, float64 (36,), -1 to 1; see wanted_aliens.
+        labels: Label of each alien, float64 (36,), -1 to 1; see wanted_aliens.
         in_order: How surely each counts only once its row is swept up to it, float64 (36,).
     """
 
@@ -103,11 +103,11 @@ class Opinions:
 def form_opinions(
     ranking: Ranking, hits: Mapping[int, Hits], perfect: Collection[int] = ()
 ) -> Opinions | None:
-    """Infer which aliens are wanted; return what that says of ranked and further games.
+    """Infer the wanted aliens; return opinions of ranked and unranked games.
 
     Args:
         ranking: The ranking.
-        hits: Of every ranked game, of the perfect ones and of any others.
+        hits: Hits of ranked, perfect and further games, by recording id.
         perfect: Games that are meant as all of the behaviour.
 
     Returns:
@@ -135,7 +135,7 @@ def form_opinions(
     opinions = judged.opinions()
     unranked = [item for item in hits if item not in set(ranked)]
     opinions |= {
-        item: judged.of_further(value)
+        item: judged.unranked_opinion(value)
         for item, value in zip(
             unranked, worth(labels, order, [hits[i] for i in unranked]).T, strict=True
         )
@@ -165,9 +165,9 @@ class _Judged:
     """The ranked games' places, by draws of which aliens are wanted.
 
     Args:
-        ranking: Of n games.
-        worth: Of each in each draw, float64 (S, n).
-        weights: Of the draws, without each game, float64 (S, n); columns sum to 1.
+        ranking: Ranking of n games.
+        worth: Worth of each game in each draw, float64 (S, n).
+        weights: Weight of each draw without each game, float64 (S, n); columns sum to 1.
     """
 
     def __init__(self, ranking: Ranking, worth: Array, weights: Array) -> None:
@@ -218,16 +218,15 @@ class _Judged:
             # Within a large tier any place is right.
             is_low = p_value * self._n < FALSE_CONTRADICTIONS and opinion.tier != tiers[item]
             if is_low and self._n >= MIN_GAMES_TO_CONTRADICT:
-                opinion = replace(opinion, contradicted_by=self._against(index))
+                opinion = replace(opinion, contradicted_by=self._contradicting_games(index))
             opinions[item] = opinion
         return opinions
 
-    def _against(self, index: int) -> tuple[int, ...]:
-        """Return the one or two games that speak most against a game's tier.
+    def _contradicting_games(self, index: int) -> tuple[int, ...]:
+        """Return the one or two games that contradict a game's tier most.
 
-        They are worth no more than a game that is ranked too low, but ranked above it, or worth no
-        less than one that is ranked too high, but ranked below it; those that are worth about as
-        much, and ranked far away, speak most.
+        Above a game that is ranked too low stand games of no higher worth, below one that is
+        ranked too high games of no lower worth. Equal worth and distant tiers contradict most.
         """
         side = np.sign(self._means[index] - self._scores[index])
         means = self._worth.mean(0)
@@ -237,8 +236,8 @@ class _Judged:
         strongest = np.argsort(-pulls)[:2].tolist()
         return tuple(self._ranking.items[index] for index in strongest if pulls[index] > 0)
 
-    def of_further(self, worth: Array) -> Opinion:
-        """Return the opinion of a game that is not ranked, by its worth, float64 (S,)."""
+    def unranked_opinion(self, worth: Array) -> Opinion:
+        """Return the opinion of an unranked game, given its worth, float64 (S,)."""
         even = np.full(len(worth), 1.0 / len(worth))
         mean, variance = self._score(self._worth, worth, even)
         noise = _NOISE_SHARE * float(self._squares.mean()) + _LEAST_DEVIATION**2
@@ -275,7 +274,7 @@ def _opinion(mean: float, sd: float, edges: Array) -> Opinion:
 
     Args:
         mean: Mean of the score.
-        sd: Its standard deviation.
+        sd: Standard deviation of the score.
         edges: float64 (n_tiers,), share of the ranked games down to the end of each tier.
     """
     # The score of a game that is better than a share of them is the normal quantile there.

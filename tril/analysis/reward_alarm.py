@@ -108,7 +108,7 @@ def reward_alarm(
     targets are hit already, strays have to rise as well.
 
     Args:
-        curves: Those of CURVES by name.
+        curves: Curves of CURVES, by name.
         n_targets: Target cells of the behaviour; None where it has none.
         demonstrated: The predicted returns of the demonstrations, which give the scale.
 

@@ -26,8 +26,8 @@ class GameFigures:
         targets: Target cells hit; None, as strays and order errors, for behaviours without target.
         strays: Hits outside the target.
         order_errors: Target hits out of order.
-        steps: Its length.
-        died: Whether it ended by the player's death.
+        steps: Length of the game.
+        died: Whether the player died.
         predicted_return: Sum of R over its observations, if it was computed.
         n_targets: Number of target cells, where the game is to be judged as a whole.
     """

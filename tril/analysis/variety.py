@@ -18,7 +18,7 @@ def pick_evenly(traits: Sequence[Traits], count: int, rng: np.random.Generator) 
 
     Args:
         traits: The traits of each item, as many of each.
-        count: How many to pick, if there are as many.
+        count: Number to pick, if there are as many.
         rng: Source of the choice among equals.
 
     Returns:

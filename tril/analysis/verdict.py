@@ -30,10 +30,10 @@ class RunFigures:
     """The figures of a run that is over.
 
     Attributes:
-        ended: How it ended.
+        ended: End of the run.
         began: Whether a worker ever took it up.
         steps: Steps of the imitator's training.
-        default_steps: What its recipe proposes for the behaviour.
+        default_steps: Steps that the recipe proposes for the behaviour.
         warm_up_steps: Steps in which the imitator does not learn yet.
         n_targets: Target cells of the behaviour; None without any.
         best_targets: Targets that the best demonstration hits; None if that is not known.
@@ -57,9 +57,9 @@ class Verdict:
     """What came of a run.
 
     Attributes:
-        tone: Whether it went well; "none" where that can't be told.
-        sentence: What happened, with its figures.
-        advice: What to do next.
+        tone: Success of the run; "none" where it can't be told.
+        sentence: Result with its figures.
+        advice: Next step for the person.
         next_step: Where.
     """
 

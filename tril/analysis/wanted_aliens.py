@@ -128,7 +128,7 @@ def learned_order(best: Sequence[Hits]) -> Array:
     games that agree make it 0.67, and ten 0.91.
 
     Args:
-        best: Of the best games.
+        best: Hits of the best games.
     """
     grid = np.stack([hits.steps for hits in best]).reshape(-1, ROWS, COLUMNS)
     order = np.zeros((ROWS, COLUMNS))
@@ -147,7 +147,7 @@ def log_prior(best: Sequence[Hits]) -> Array:
     It is known up to a constant.
 
     Args:
-        best: Of the best games, perhaps none.
+        best: Hits of the best games, perhaps none.
     """
     in_reach = np.reshape([hits.in_reach for hits in best], (-1, N_ALIENS)).astype(bool)
     cleared = np.reshape([hits.gone for hits in best], (-1, N_ALIENS)).astype(bool)
@@ -208,9 +208,9 @@ class Posterior:
     """The posterior of how many aliens of each column are wanted.
 
     Args:
-        hits: By game.
+        hits: Hits of each game.
         pairs: Games, the better one first.
-        weights: How much each pair counts, float64 (P,), see pair_weights.
+        weights: Weight of each pair, float64 (P,), see pair_weights.
         prior: See log_prior.
         order: See learned_order.
     """
@@ -311,7 +311,7 @@ def worth(labels: Array, order: Array, hits: Sequence[Hits]) -> Array:
     Args:
         labels: float64 (S, 36).
         order: See learned_order.
-        hits: Of n games.
+        hits: Hits of n games.
     """
     gains, costs = _counted(hits, order)
     values: Array = (labels > 0) @ gains.T - (labels < 0) @ costs.T
@@ -322,9 +322,9 @@ def log_likelihood_by_game(worth: Array, pairs: npt.NDArray[np.int64], weights: 
     """Return the log likelihood of each game's pairs in each draw, float64 (S, n).
 
     Args:
-        worth: What n games are worth in S draws, float64 (S, n).
+        worth: Worth of n games in S draws, float64 (S, n).
         pairs: Indices of the better game and the worse one, int64 (P, 2).
-        weights: How much each pair counts, float64 (P,), see pair_weights.
+        weights: Weight of each pair, float64 (P,), see pair_weights.
     """
     better, worse = pairs.T
     log_likelihoods = weights * np.log(_probability(worth[:, better] - worth[:, worse]))

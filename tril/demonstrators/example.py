@@ -63,8 +63,8 @@ class Demonstration:
     Attributes:
         recording: The game.
         replay: The outcome of a replay.
-        plan: What to show.
-        perfect: Whether it is for cloning and not ranked.
+        plan: Demonstration to make.
+        perfect: Whether the game is for cloning and not ranked.
         error_model: Player errors.
     """
 
@@ -97,8 +97,8 @@ class DemonstrationTask:
     """A demonstration to make. Tasks are independent of each other and of their order.
 
     Attributes:
-        plan: What to show.
-        perfect: Whether it is for cloning.
+        plan: Plan of the game.
+        perfect: Whether the game is for cloning.
         idle_frames: The starts to try, in turn.
         seed: Seed of the player's random choices.
         error_model: Player errors.
@@ -129,13 +129,13 @@ def demonstrate(
     games have to fulfil it within tolerance.
 
     Args:
-        plan: What to show.
-        start: How the game begins.
+        plan: Plan of the game.
+        start: Start of the game.
         rng: Source of the player's random choices.
         console: The console to play on; None loads one.
         style: Playing style; None draws one.
         error_model: Player errors.
-        perfect: Whether it is for cloning.
+        perfect: Whether the game is for cloning.
         best_effort: Whether a good attempt is enough for that.
 
     Raises:
@@ -211,7 +211,7 @@ def make_example(
     ends the work.
 
     Args:
-        behaviour: What to show.
+        behaviour: Behaviour to demonstrate.
         rng: Source of the starts and the player's seeds.
         n_perfect: Number of perfect demonstrations.
         n_processes: Processes to play in; 1 plays in this one.

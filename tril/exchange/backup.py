@@ -96,7 +96,7 @@ class Contents:
     Attributes:
         n_recordings: Number of recordings, including deleted ones and those of runs.
         n_runs: Number of runs.
-        artifacts: Of each file of a run: its path, its size, the run and the run's status.
+        artifacts: Path, size, run and run status of each file.
     """
 
     n_recordings: int
@@ -109,9 +109,9 @@ class Manifest:
     """What a backup says of itself.
 
     Attributes:
-        files: Its files.
+        files: Files of the backup.
         artifacts_elsewhere: URL of the artifact store, if the runs' files are not in the backup.
-        contents: What the application's database contains, if the backup has a dump of it.
+        contents: Contents of the application's database, if the backup has a dump of it.
     """
 
     files: list[CopiedFile]
@@ -124,7 +124,7 @@ class Backup:
     """A verified backup.
 
     Attributes:
-        folder: Its folder.
+        folder: Folder of the backup.
         n_files: Number of files, including the databases.
         size_bytes: Total size.
         n_recordings: Number of recordings, including deleted ones and those of runs.
@@ -183,7 +183,7 @@ def _make_backup(settings: Settings, databases: dict[str, Path | Engine], folder
     folder.parent.mkdir(parents=True, exist_ok=True)
     store = ArtifactStore(settings.artifact_root)
     sizes = [*map(_size, databases.values()), *map(_size, _artifact_files(store.folder))]
-    _check_room(folder.parent, sum(sizes))
+    _check_free_space(folder.parent, sum(sizes))
     for attempt in range(1, MAX_ATTEMPTS + 1):
         unfinished = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
         try:
@@ -351,7 +351,7 @@ def _size(source: Path | Engine) -> int:
         return int(connection.scalar(text("SELECT pg_database_size(current_database())")) or 0)
 
 
-def _check_room(folder: Path, needed: int) -> None:
+def _check_free_space(folder: Path, needed: int) -> None:
     free = free_bytes(folder)
     if needed > free:
         raise Unavailable(

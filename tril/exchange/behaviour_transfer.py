@@ -49,10 +49,10 @@ class BehaviourImportResult:
 
     Attributes:
         slug: The behaviour that was filled or created.
-        was_there: Whether it is a built-in behaviour that was empty; else it is new.
+        was_there: Whether an empty built-in behaviour was filled; else the behaviour is new.
         n_recordings: Recordings added, including deleted ones.
         n_revisions: Revisions of the ranking added.
-        notices: What was changed or ignored.
+        notices: Changed or ignored values.
     """
 
     slug: str

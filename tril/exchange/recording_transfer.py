@@ -46,7 +46,7 @@ class RecordingImportResult:
     Attributes:
         recording_ids: The recordings added, in the file's order.
         already_there: Recordings of the library that the file contains; they are not added again.
-        notices: What was changed or ignored; at most MAX_EXAMPLES of them.
+        notices: Changed or ignored values; at most MAX_EXAMPLES of them.
         refusals: Lines that were refused, with the reason; at most MAX_EXAMPLES of them.
         n_notices: Number of notices.
         n_refused: Number of lines that were refused.
@@ -87,7 +87,7 @@ def import_recordings(
         perfect: Mark all of them as perfect, else those marked in the file.
         player_id: The player of recordings by a person.
         max_recordings: Further recordings are refused.
-        max_of_player: How many recordings of the player may be stored; None for any number.
+        max_of_player: Most stored recordings of the player; None for any number.
         load: Loads and verifies a recording, as ``load_recording`` does; None for doing it here.
 
     Raises:

@@ -84,7 +84,7 @@ class RunImportResult:
 
     Attributes:
         run_id: The run, which has the id that it had where it was trained.
-        behaviour_id: Its behaviour.
+        behaviour_id: Behaviour of the run.
         was_there: Whether it had been imported, or trained here, before; then nothing was changed
             but that it is shown again if it was deleted.
     """
@@ -219,7 +219,7 @@ def import_run(
         name: Name of a new behaviour for it; None fills a built-in one if it can.
         trusted: Whether its recordings are taken as they are, without replaying them, since the
             file ships with Tril.
-        player_id: Who imports it; None for a command in the terminal.
+        player_id: Player that imports the run; None for a command in the terminal.
 
     Raises:
         RunRefused: A recording does not replay to what the file says.

@@ -19,11 +19,11 @@ class Behaviour:
     Attributes:
         slug: Short name used in URLs and on the command line, e.g. ``column-5``.
         name: Name shown to people, e.g. "Column 5".
-        description: What a perfect game looks like, in one or two sentences.
+        description: Description of a perfect game, in one or two sentences.
         game: Name of its game.
         target: Items to take, in order if ``ordered``; None if items do not describe it.
         ordered: Whether their order matters.
-        settings: What it sets of its game.
+        settings: Settings of the game.
         measures: What of a game tells in numbers how well it shows the behaviour.
     """
 

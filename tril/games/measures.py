@@ -303,7 +303,7 @@ class Counted(Measure):
     """What the game's readout or a byte of its memory counts, such as missiles fired.
 
     Attributes:
-        counter: Its name.
+        counter: Name of the counter.
     """
 
     counter: str

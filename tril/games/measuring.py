@@ -59,8 +59,8 @@ class Measured:
 
     Attributes:
         measure: The measure.
-        value: In its unit; None if there was nothing to measure, or it is not known yet.
-        is_known: Whether it has been measured.
+        value: Value in the measure's unit; None if nothing could be measured, or not yet.
+        is_known: Whether the value has been measured.
     """
 
     measure: Measure
@@ -83,7 +83,7 @@ def measure(game: Game, measures: Iterable[Measure], played: Played) -> tuple[Me
 
     Args:
         game: The game.
-        measures: What to measure; `check_measures` has accepted them.
+        measures: Measures to take; `check_measures` has accepted them.
         played: A replay of the game.
     """
     return tuple(Measured(measure, _value(game, measure, played)) for measure in measures)

@@ -145,8 +145,8 @@ class InferenceClient:
         Args:
             run_id: The run.
             observation: uint8 (4, 84, 84).
-            network: Whose.
-            method: How.
+            network: Network to explain.
+            method: Method of the map.
             is_given_up: Whether nobody waits for the map any more; the process then drops it.
             background: Gray of the game's background, 0 to 255.
 

@@ -96,7 +96,7 @@ class TcpEndpoint:
         """Return a connection on which both ends have proven that they have the key.
 
         Args:
-            timeout_s: How long its operations may take from then on.
+            timeout_s: Timeout of later operations on the connection.
 
         Raises:
             OSError: The process can't be reached.

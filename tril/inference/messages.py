@@ -110,8 +110,8 @@ def receive_exactly(
 
     Args:
         connection: The connection.
-        n_bytes: How many.
-        within_s: How long all of them may take; None for as long as each part may.
+        n_bytes: Number of bytes.
+        within_s: Timeout for all bytes; None for the timeout of each part only.
 
     Raises:
         Disconnected: The other end closed the connection before.

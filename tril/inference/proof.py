@@ -36,7 +36,7 @@ class Challenge:
         certificate_hash: The hash of its certificate; empty without TLS.
 
     Attributes:
-        greeting: What it sends first.
+        greeting: Greeting that the process sends first.
     """
 
     def __init__(self, key: bytes, certificate_hash: bytes) -> None:
@@ -62,11 +62,11 @@ class Response:
 
     Args:
         key: The shared key.
-        greeting: What the process sent, GREETING_BYTES.
+        greeting: Greeting of the process, GREETING_BYTES.
         certificate_hash: The hash of the certificate that it showed; empty without TLS.
 
     Attributes:
-        message: What the client sends.
+        message: Message that the client sends.
 
     Raises:
         NotProven: The other end is no inference process.

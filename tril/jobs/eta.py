@@ -86,7 +86,7 @@ class RunEta:
     """What the stages of one run are expected to take: how much is done and what remains.
 
     Attributes:
-        seconds: By stage, in order.
+        seconds: Expected seconds by stage, in order.
     """
 
     seconds: Mapping[str, float]

@@ -54,7 +54,7 @@ def unpack_game(data: bytes, console: Console) -> AgentGameState:
     text, actions, machine, observation, first = parts
     small = json.loads(text)
     if version == _FIRST_VERSION:
-        small = _of_first_version(small)
+        small = _upgraded(small)
     episode = EpisodeState(
         console=console.state_from_bytes(machine),
         start=console.game.starts.parse(small["start"]),
@@ -68,7 +68,7 @@ def unpack_game(data: bytes, console: Console) -> AgentGameState:
     return AgentGameState(episode, view)
 
 
-def _of_first_version(small: dict[str, Any]) -> dict[str, Any]:
+def _upgraded(small: dict[str, Any]) -> dict[str, Any]:
     readout = ("lives", "missile_in_air", "alien_rows", "shifts", "alien_x")
     return {
         "start": dict(zip(("idle_frames", "mode", "difficulty"), small["start"], strict=True)),

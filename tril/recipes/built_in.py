@@ -162,7 +162,7 @@ def recipe_named(name: str, pretrained: bool = True) -> Recipe:
     """Return a built-in recipe.
 
     Args:
-        name: Its name.
+        name: Name of a built-in recipe.
         pretrained: As for `recipes_for`.
 
     Raises:

@@ -47,8 +47,8 @@ FORMER_NAMES = {
 """Today's path of each value that earlier versions called otherwise."""
 
 
-def judged_where_trained(recipe: Recipe, start_number: int) -> Recipe:
-    """Return the recipe under the published protocol, which holds no start out.
+def evaluated_on_own_start(recipe: Recipe, start_number: int) -> Recipe:
+    """Return the recipe under the published protocol, without held-out starts.
 
     The published work trains one policy per start and evaluates it on that very start (thesis,
     section 6.1), which measures how well that one game was learned.

@@ -43,11 +43,11 @@ def give(
 
     Args:
         session: The transaction.
-        behaviour_id: Of whose ranking the statement is.
-        subjects: What it is about, see tril.vocabulary.answers.
-        sentence: What they read.
+        behaviour_id: Behaviour of the ranking.
+        subjects: Subjects of the statement, see tril.vocabulary.answers.
+        sentence: Sentence shown to the person.
         meant: Whether it is what they mean; None takes back what was said of it before.
-        player_id: Who says it.
+        player_id: Player that answers.
     """
     session.add(
         StatementAnswerRow(

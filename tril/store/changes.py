@@ -30,7 +30,7 @@ def note_change(session: Session, topic: str, key: str | int) -> None:
     Args:
         session: The transaction.
         topic: Kind of thing: "run", "recording", "library", "ranking", "behaviour", "system".
-        key: Its id.
+        key: Id of the changed row.
     """
     session.add(ChangeRow(topic=topic, key=str(key), created_at=database_now(session)))
 

@@ -86,7 +86,7 @@ def copy_before_upgrade(engine: Engine, revision: str, folder: Path) -> Path:
 
     Args:
         engine: The database, which nobody writes to meanwhile.
-        revision: Its present revision.
+        revision: Present revision of the database.
         folder: Where the copies are kept.
 
     Returns:

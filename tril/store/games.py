@@ -63,9 +63,9 @@ class Progress:
     Attributes:
         game_id: The game.
         epoch: The owner's epoch.
-        recording: What was played so far.
-        played: What happened in it.
-        conditions: How it was played so far.
+        recording: Recording of the game so far.
+        played: Replay of the game so far.
+        conditions: Conditions of play so far.
     """
 
     game_id: str
@@ -94,8 +94,8 @@ def create_from(
         session: The transaction.
         parent: A person's game.
         frame: The frame after which it continues.
-        player_id: Who plays.
-        conditions: How the game was played until then.
+        player_id: Player of the game.
+        conditions: Conditions of play up to the frame.
 
     Raises:
         Invalid: The recording has no such frame, or nothing can be played after it.
@@ -136,10 +136,10 @@ def create_taken_over(
 
     Args:
         session: The transaction.
-        behaviour_id: What is to be demonstrated.
-        begun: What the policy has played.
-        player_id: Who takes over.
-        conditions: How the game was played until then.
+        behaviour_id: Behaviour to demonstrate.
+        begun: Recording of the policy's game.
+        player_id: Player that takes over.
+        conditions: Conditions of play up to the takeover.
 
     Raises:
         Conflict: The policy's game is over.

@@ -110,7 +110,7 @@ class ProcessStatus:
         alive: Whether it is known to live, or its heartbeat is fresh and it is not known to have
             ended.
         busy: Whether it is alive without a fresh heartbeat, e.g. since the machine is overloaded.
-        details: What it says about itself.
+        details: Details that the process reports.
     """
 
     name: str
@@ -146,7 +146,7 @@ def beat(
         session: The transaction.
         name: Unique name of the process.
         kind: "server", "worker" or "inference".
-        details: What it says about itself.
+        details: Details that the process reports.
         identity: Tells when it has ended without a word; this process by default.
     """
     identity = identity or ProcessIdentity.of(os.getpid())

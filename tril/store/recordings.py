@@ -93,15 +93,15 @@ def add(
 
     Args:
         session: The transaction.
-        behaviour_id: What it is a game of.
+        behaviour_id: Behaviour of the recording.
         recording: A verified recording (tril.recording.verify).
-        played: What happened in its replay.
-        source: Who played it.
-        player_id: Which person played it, if one did.
-        run_id: Which run's policy played it, if one did.
+        played: Replay of the recording.
+        source: Kind of player.
+        player_id: Player, for a person's recording.
+        run_id: Run, for a policy's recording.
         perfect: Whether the clone learns from it.
         notes: A person's remarks.
-        conditions: How it was played.
+        conditions: Conditions of play.
     """
     row = RecordingRow(
         behaviour_id=behaviour_id,
@@ -150,7 +150,7 @@ def by_ids(session: Session, ids: Iterable[int], *columns: Any) -> dict[int, Rec
     options = [load_only(*columns)] if columns else []
     return {
         row.id: row
-        for part in rankings.in_parts(sorted(set(ids)), rankings.PART)
+        for part in rankings.chunks(sorted(set(ids)), rankings.PART)
         for row in session.scalars(
             select(RecordingRow).where(RecordingRow.id.in_(part)).options(*options)
         )
@@ -159,7 +159,7 @@ def by_ids(session: Session, ids: Iterable[int], *columns: Any) -> dict[int, Rec
 
 def in_order(session: Session, ids: Sequence[int]) -> Iterator[RecordingRow]:
     """Yield recordings in the order of their ids, with only some in memory at a time."""
-    for part in rankings.in_parts(ids, ROWS_IN_MEMORY):
+    for part in rankings.chunks(ids, ROWS_IN_MEMORY):
         rows = by_ids(session, part)
         yield from (rows[key] for key in part if key in rows)
         for row in rows.values():
@@ -327,7 +327,7 @@ def restore(session: Session, rows: Sequence[RecordingRow], player_id: int | Non
         audit.note(session, audit.Action.RESTORED, player_id, f"recording {row.id}")
     note_recordings(session, [row for row in rows if row.id in deleted_at])
     session.flush()
-    rankings.put_back(session, deleted_at, player_id)
+    rankings.restore_recordings(session, deleted_at, player_id)
 
 
 def mark(
@@ -356,9 +356,9 @@ def update(
     Args:
         session: The transaction.
         row: The recording.
-        perfect: Whether it is.
-        notes: Its notes.
-        player_id: Who changes it.
+        perfect: New mark, None to keep it.
+        notes: New notes, None to keep them.
+        player_id: Player that makes the change.
 
     Raises:
         Invalid: It is to be perfect but is not verified.

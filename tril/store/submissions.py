@@ -42,7 +42,7 @@ class Submission:
     """A request that carries a key; guards the transactions that handle it.
 
     Attributes:
-        player_id: Who submits; another person's keys are others.
+        player_id: Player that submits; keys are per player.
         key: The key.
         content: Digest of what is submitted, complete once the request has been read.
         row_id: Its row, once its changes are committed.

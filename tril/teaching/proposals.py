@@ -58,7 +58,7 @@ def pick_training_games(
     """Return which games to keep: few, and unlike each other.
 
     Args:
-        behaviour: What is taught.
+        behaviour: Behaviour to teach.
         games: Of each, the items taken, in order of time, and whether the player died.
 
     Returns:

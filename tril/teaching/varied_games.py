@@ -31,8 +31,8 @@ def add_varied_games(
 
     Args:
         database: The database.
-        behaviour_id: Whose ranking may hold them.
-        count: How many.
+        behaviour_id: Behaviour of the ranking.
+        count: Number of games.
         play: Plays a game of varied play, from a seed.
         rng: Source of all random choices.
 

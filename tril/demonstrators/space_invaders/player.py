@@ -174,11 +174,11 @@ class Planner:
         dodges = [[int(side)] * n_steps for n_steps in _DODGES for side in _SIDES]
         self._rng.shuffle(dodges)
         dodges.sort(key=len)
-        wish = [towards(way)] * n_walk + rest(n_rest)
+        wish = [direction_to(way)] * n_walk + idle(n_rest)
         before = self._episode.save()
-        latest, best = -1, rest(1)
-        for actions in (wish, rest(1), *dodges):
-            hit_at = self._hit_at([*actions, *rest(_TAIL_STEPS)])
+        latest, best = -1, idle(1)
+        for actions in (wish, idle(1), *dodges):
+            hit_at = self._death_frame([*actions, *idle(_TAIL_STEPS)])
             self._episode.restore(before)
             if hit_at is None:
                 return actions
@@ -186,12 +186,12 @@ class Planner:
                 latest, best = hit_at, actions[:1]
         return best
 
-    def _hit_at(self, actions: Sequence[int]) -> int | None:
-        """Simulate actions; return the frame of a hit on the player, or None."""
-        self._play_on(actions)
+    def _death_frame(self, actions: Sequence[int]) -> int | None:
+        """Simulate actions; return the frame of the player's death, None if it survives."""
+        self._simulate(actions)
         return self._episode.frame if self._episode.end == EndReason.HIT else None
 
-    def _play_on(self, actions: Iterable[int]) -> None:
+    def _simulate(self, actions: Iterable[int]) -> None:
         """Simulate actions on the episode, which the caller restores."""
         for action in actions:
             for _ in range(FRAMES_PER_STEP):
@@ -206,8 +206,8 @@ class Planner:
         before = self._episode.save()
         aim = self._rng.normal(0, self._style.aim_px)
         try:
-            for way, state in self._ways_to(cell, aim):
-                for aside in self._asides():
+            for way, state in self._approaches(cell, aim):
+                for aside in self._sidesteps():
                     self._episode.restore(state)
                     actions = self._fire(cell, aside)
                     if actions is not None:
@@ -218,23 +218,23 @@ class Planner:
         finally:
             self._episode.restore(before)
 
-    def _asides(self) -> list[list[int]]:
+    def _sidesteps(self) -> list[list[int]]:
         """Return moves during the missile's flight, best first: to the next alien, or none."""
         asides = [[], *([int(side)] * n_steps for n_steps in _DODGES for side in _SIDES)]
         n_next = len(self._episode.taken) + 1
         if n_next < len(self._wanted) and self._episode.frame >= self._due[n_next]:
             way = column_centre(self._episode, self._wanted[n_next][1]) - _missile_x(self._episode)
             if abs(way) > game.COLUMN_WIDTH / 2:
-                asides.insert(0, [towards(way)] * round(abs(way) / _PX_PER_STEP))
+                asides.insert(0, [direction_to(way)] * round(abs(way) / _PX_PER_STEP))
         return asides
 
-    def _ways_to(self, cell: Cell, aim: float) -> list[tuple[list[int], EpisodeState]]:
-        """Return walks after which a shot may hit an alien, and the states then, best first."""
+    def _approaches(self, cell: Cell, aim: float) -> list[tuple[list[int], EpisodeState]]:
+        """Return walks to firing positions for an alien, with the states after them, best first."""
         before = self._episode.save()
         offset = column_centre(self._episode, cell[1]) - _missile_x(self._episode)
         ways: list[tuple[float, list[int], EpisodeState]] = []
         for action in (int(Action.RIGHT), int(Action.LEFT)):
-            if abs(offset) > _REACH_PX and action != towards(offset):
+            if abs(offset) > _REACH_PX and action != direction_to(offset):
                 continue
             self._episode.restore(before)
             n_waited = 0
@@ -245,9 +245,9 @@ class Planner:
                 if abs(distance) <= _REACH_PX and ready:
                     cost = abs(distance - aim) + n_steps * _PX_PER_STEP_OF_DELAY
                     ways.append((cost, [action] * n_steps, self._episode.save()))
-                elif abs(distance) > _REACH_PX and action == towards(distance):
+                elif abs(distance) > _REACH_PX and action == direction_to(distance):
                     break
-                self._play_on([action])
+                self._simulate([action])
                 n_waited += _missile_x(self._episode) == x
                 if self._episode.end is not None or n_waited > _MAX_WAIT_STEPS:
                     break
@@ -262,25 +262,25 @@ class Planner:
         n_hits = len(self._episode.taken)
         walk = iter(aside)
         actions = [int(Action.FIRE)]
-        self._play_on(actions)
+        self._simulate(actions)
         while len(self._episode.taken) == n_hits:
             in_air = missile_in_air(self._episode.console.ram_bytes())
             if self._episode.end is not None or not in_air or len(actions) > _FLIGHT_STEPS:
                 return None
             actions.append(next(walk, int(Action.NOOP)))
-            self._play_on(actions[-1:])
+            self._simulate(actions[-1:])
         new_hits = [(hit.row, hit.column) for hit in self._episode.taken[n_hits:]]
-        if new_hits != [cell] or self._hit_at([*walk, *rest(_TAIL_STEPS)]) is not None:
+        if new_hits != [cell] or self._death_frame([*walk, *idle(_TAIL_STEPS)]) is not None:
             return None
         return actions
 
 
-def towards(way: float) -> int:
+def direction_to(way: float) -> int:
     """Return the action that walks this way, positive being right."""
     return int(Action.RIGHT if way > 0 else Action.LEFT)
 
 
-def rest(n: int) -> list[int]:
+def idle(n: int) -> list[int]:
     """Return n actions without a key."""
     return [int(Action.NOOP)] * n
 

@@ -43,8 +43,8 @@ class ActionList:
 
     Attributes:
         content: The recording in the exchange format, not validated yet.
-        rewards: What the game pays at every frame; None if the list does not say.
-        notices: What was changed.
+        rewards: Reward of every frame; None if the list has none.
+        notices: Changes made while reading.
     """
 
     content: dict[str, Any]
@@ -75,7 +75,7 @@ def read_action_list(content: dict[str, Any]) -> ActionList:
     """Rewrite an action list in the exchange format.
 
     Raises:
-        RecordingRefused: Its game is not installed, or its actions or rewards are not valid.
+        RecordingRefused: The game is not installed, or actions or rewards are not valid.
     """
     recording = dict(content)
     version = recording.pop("version", None)

@@ -200,7 +200,7 @@ def _contradictions(behaviour: BehaviourObject) -> Iterator[str]:
                 f" {'itself' if parent.number == played.number else 'not in the file'}."
             )
     for place, saved in enumerate(behaviour.rankings, start=1):
-        yield from _wrong_revision(place, saved, set(by_number))
+        yield from _revision_errors(place, saved, set(by_number))
     if behaviour.rankings:
         for ranked in (number for tier in behaviour.rankings[-1].tiers for number in tier):
             played_game = by_number.get(ranked)
@@ -211,7 +211,7 @@ def _contradictions(behaviour: BehaviourObject) -> Iterator[str]:
                 )
 
 
-def _wrong_revision(place: int, saved: RevisionObject, numbers: set[int]) -> Iterator[str]:
+def _revision_errors(place: int, saved: RevisionObject, numbers: set[int]) -> Iterator[str]:
     if saved.revision != place:
         yield f"Expected revision {place} of the ranking, got {saved.revision}."
         return

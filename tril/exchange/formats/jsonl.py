@@ -27,7 +27,7 @@ class JsonLine:
     """One object of a file.
 
     Attributes:
-        number: Its first line, counted from 1.
+        number: First line of the object, counted from 1.
         content: The parsed JSON, None if refused.
         refusal: The reason for a refusal, None otherwise.
     """

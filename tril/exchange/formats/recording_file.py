@@ -33,10 +33,10 @@ class ImportedRecording:
         recording: The recording, cut at the end of its episode, with all RAM hashes.
         replay: The outcome of its replay.
         tier: Place in a ranking, equal meaning a tie; None if unranked.
-        perfect: Whether it is marked as perfect.
-        source: Who played it, None if unknown.
+        perfect: Whether the recording is marked as perfect.
+        source: Kind of player, None if unknown.
         notes: A person's notes.
-        conditions: How it was played.
+        conditions: Conditions of play.
         parent: The recording that it continues.
         notices: Messages about what was ignored or differs.
     """
@@ -134,7 +134,7 @@ def as_recording(recording: RecordingObject) -> Recording:
     """Return the recording that an object holds, not replayed yet.
 
     Raises:
-        RecordingRefused: Its game is not installed, or has no such start, rule or action.
+        RecordingRefused: The game is not installed, or has no such start, rule or action.
     """
     try:
         game = game_named(recording.game).with_settings(GameSettings(max_steps=recording.max_steps))

@@ -70,8 +70,8 @@ _RENAMED = {
 _START_1 = ("idle_frames", "mode", "difficulty")
 
 
-def _as_version_2(content: object) -> object:
-    """Rename what version 1, which had one game, called otherwise; other content stays."""
+def _upgraded(content: object) -> object:
+    """Rename the members of version 1, which had one game; return other content as it is."""
     if not isinstance(content, dict) or content.get("version") != 1:
         return content
     if isinstance(content["version"], bool):
@@ -182,7 +182,7 @@ class RecordingObject(StrictModel):
     @model_validator(mode="before")
     @classmethod
     def _upgrade(cls, content: object) -> object:
-        return _as_version_2(content)
+        return _upgraded(content)
 
 
 def parse_recording(content: object) -> RecordingObject:
@@ -255,8 +255,8 @@ def describe_errors(
     """Yield one sentence for each of the first few invalid members.
 
     Args:
-        error: What is wrong.
-        names: What members are called in the file, where they are called otherwise.
+        error: Validation error.
+        names: Names of members in the file, where they differ.
     """
     names = names or {}
     problems = error.errors(include_url=False)

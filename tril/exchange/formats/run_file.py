@@ -146,7 +146,7 @@ def parse_run(content: bytes) -> RunObject:
             raise RunRefused("This is not a run that Tril exported.")
         if isinstance(version := data.get("version"), int) and version > RUN_VERSION:
             raise RunRefused("The run was exported by a newer version of Tril. Update Tril.")
-        data = _as_version_2(data)
+        data = _upgraded(data)
         # In the mode of JSON, in which times and tuples may be texts and lists.
         run = RunObject.model_validate_json(json.dumps(normalise_json(data, keep_numbers=True)))
     except ValidationError as error:
@@ -158,19 +158,19 @@ def parse_run(content: bytes) -> RunObject:
     return run
 
 
-def _as_version_2(data: dict[str, Any]) -> dict[str, Any]:
-    """Rename what version 1, which had one game, called otherwise."""
+def _upgraded(data: dict[str, Any]) -> dict[str, Any]:
+    """Rename the members of version 1, which had one game."""
     if data.get("version") != 1:
         return data
     upgraded = dict(data)
     for name in ("ranked", "unranked", "evaluation"):
         games = data.get(name)
         if isinstance(games, list):
-            upgraded[name] = [_played_since(game) for game in games]
+            upgraded[name] = [_upgraded_game(game) for game in games]
     return upgraded | {"version": RUN_VERSION}
 
 
-def _played_since(game: object) -> object:
+def _upgraded_game(game: object) -> object:
     if not isinstance(game, dict) or "shots" not in game:
         return game
     upgraded = {key: value for key, value in game.items() if key not in ("shots", "hit_frames")}

@@ -56,11 +56,11 @@ class Games:
 
     Attributes:
         rams: uint8 (frames, 128).
-        first: Which frames are the first of a game, bool (frames,).
+        first: First frames of games, bool (frames,).
         paid: At which frames the game paid, bool (frames,).
         died: At which frames a life was lost, bool (frames,).
         states: States spread over the games.
-        moved: How often each pixel changed, per frame, float (height, width).
+        moved: Share of frames in which each pixel changed, float (height, width).
     """
 
     rams: npt.NDArray[np.uint8]
@@ -183,8 +183,8 @@ def random_games(subject: Subject, intro: dict[str, int], seed: int = 0) -> Game
     )
 
 
-def bytes_that_change_with(events: Mask, games: Games) -> dict[int, float]:
-    """Return the bytes of memory that change hardly ever but at events, with their recall."""
+def event_bytes(events: Mask, games: Games) -> dict[int, float]:
+    """Return the bytes of memory that change almost only at events, with their recall."""
     changed = games.rams[1:] != games.rams[:-1]
     changed[games.first[1:]] = False
     at = np.flatnonzero(events)
@@ -203,11 +203,11 @@ def bytes_that_change_with(events: Mask, games: Games) -> dict[int, float]:
 def pixels_of(subject: Subject, states: Sequence[ale_py.ALEState], byte: int) -> Box | None:
     """Return where the screen changes with a byte of memory, in at least half of the states."""
     picked = [states[n] for n in np.linspace(0, len(states) - 1, 10).astype(int)]
-    share = np.mean([_changed_by(subject, state, byte) for state in picked], axis=0)
+    share = np.mean([_changed_pixels(subject, state, byte) for state in picked], axis=0)
     return _box(share >= 0.5)
 
 
-def _changed_by(subject: Subject, state: ale_py.ALEState, byte: int) -> Mask:
+def _changed_pixels(subject: Subject, state: ale_py.ALEState, byte: int) -> Mask:
     subject.ale.restoreState(state)
     value = int(subject.ale.getRAM()[byte])
     plain = _two_screens(subject)
@@ -240,7 +240,7 @@ def areas_of(subject: Subject, events: Mask, games: Games) -> list[Box]:
     """Return where the screen shows what changes at events: digits, and those beside them."""
     height, width = games.moved.shape
     boxes: dict[int, Box] = {}
-    recalls = bytes_that_change_with(events, games)
+    recalls = event_bytes(events, games)
     for byte in recalls:
         box = pixels_of(subject, games.states, byte)
         if box is not None and _area(box) <= LARGEST_AREA * height * width:

@@ -51,7 +51,7 @@ class Environment:
     """A registered environment.
 
     Attributes:
-        name: Its name as a game, e.g. "gym:CartPole-v1".
+        name: Name as a game, e.g. "gym:CartPole-v1".
         spec: Gymnasium's entry of it.
     """
 
@@ -258,7 +258,7 @@ def _import(module: str, name: str) -> None:
         UnsuitableEnvironment: It is of no such package, or cannot be imported.
     """
     top_level = module.partition(".")[0]
-    if top_level != "gymnasium" and top_level not in _packages_with_environments():
+    if top_level != "gymnasium" and top_level not in _environment_packages():
         raise UnsuitableEnvironment(
             f"{name} is not here: no package is installed that has a module {top_level!r} and"
             " requires gymnasium. Install it in the environment of Tril's processes."
@@ -270,7 +270,7 @@ def _import(module: str, name: str) -> None:
 
 
 @cache
-def _packages_with_environments() -> frozenset[str]:
+def _environment_packages() -> frozenset[str]:
     return frozenset(
         top_level
         for distribution in distributions()

@@ -66,7 +66,7 @@ class Examined:
 
     Attributes:
         game: It as a game.
-        digest: Of the pictures seen, equal in every process.
+        digest: Digest of the pictures seen, equal in every process.
     """
 
     game: Game
@@ -160,12 +160,12 @@ def _check_determinism(
     Raises:
         UnsuitableEnvironment: They differ, or all are the same.
     """
-    hashes, differs_at = _play_two(environment, env, picture, CHECKED_EVERY)
+    hashes, differs_at = _compare_environments(environment, env, picture, CHECKED_EVERY)
     if differs_at is not None:
         picture = replace(picture, every_frame=True)
-        hashes, differs_at = _play_two(environment, environment.make(), picture, 1)
+        hashes, differs_at = _compare_environments(environment, environment.make(), picture, 1)
     if differs_at is None:
-        differs_at = _play_again(environment, env, picture, hashes)
+        differs_at = _compare_replay(environment, env, picture, hashes)
     if differs_at is not None:
         raise UnsuitableEnvironment(
             f"{environment.name} is not deterministic: two games with the same seed and actions"
@@ -179,19 +179,19 @@ def _check_determinism(
     return picture, hashes[min(CHECKED_EVERY, len(hashes) - 1)]
 
 
-def _play_two(
+def _compare_environments(
     environment: Environment, env: AnyEnv, picture: Picture, interval: int
 ) -> tuple[list[str], int | None]:
-    """Play the same in two environments in turn, so that a generator that they share shows.
+    """Play the same actions in two environments in turn, which reveals a shared generator.
 
     Args:
-        environment: What is played.
-        env: The first of the two.
-        picture: Its pictures.
-        interval: Frames from one picture drawn in the second to the next.
+        environment: The environment.
+        env: The first instance.
+        picture: Pictures of the environment.
+        interval: Frames between pictures of the second instance.
 
     Returns:
-        Hashes of the first one's screens, and the frame at which the second differs, if any.
+        Hashes of the first instance's screens, and the frame at which the second differs, if any.
     """
     started_s = time.monotonic()
     first, second = _Player(environment, env), _Player(environment, environment.make())
@@ -209,10 +209,10 @@ def _play_two(
     return hashes, None
 
 
-def _play_again(
+def _compare_replay(
     environment: Environment, env: AnyEnv, picture: Picture, hashes: Sequence[str]
 ) -> int | None:
-    """Return the frame at which a game differs that is played again after another one, if any."""
+    """Return the frame at which a replay after another game differs, None if it does not."""
     env.reset(seed=1)
     env.step(environment.first_action(env))
     player = _Player(environment, env)

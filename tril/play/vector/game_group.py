@@ -68,7 +68,7 @@ class FinishedGame:
     score: float
 
     @property
-    def own_taken(self) -> tuple[Taken, ...]:
+    def own_items(self) -> tuple[Taken, ...]:
         """The items taken by the vector's own actions."""
         return tuple(item for item in self.taken if item.frame > self.own_from)
 

@@ -41,10 +41,10 @@ class Identity:
 
     Attributes:
         credential_id: The browser or key that shows who it is.
-        kind: Which of the two.
+        kind: Kind of the credential.
         player_id: The person.
-        role: What they may do.
-        behaviour_ids: What a participant may play.
+        role: Role of the player.
+        behaviour_ids: Behaviours that a participant plays.
         secret_hash: The hash of the credential's secret.
     """
 
@@ -61,8 +61,8 @@ class Identity:
         return self.role is Role.PARTICIPANT
 
     @property
-    def sees_only(self) -> int | None:
-        """The person whose recordings they see; None for everybody's."""
+    def visible_player_id(self) -> int | None:
+        """The only player whose recordings this identity sees; None for all players."""
         return self.player_id if self.is_participant else None
 
 
@@ -194,8 +194,8 @@ def end(
     note_change(session, CHANGES, row.id)
 
 
-def sign_everybody_out(session: Session, by_player_id: int | None = None) -> int:
-    """Sign every browser out, and return how many there were; keys stay valid."""
+def sign_out_all_browsers(session: Session, by_player_id: int | None = None) -> int:
+    """Sign every browser out and return their number; keys stay valid."""
     rows = listing(session, CredentialKind.BROWSER)
     for row in rows:
         row.ended_at = now()

@@ -47,11 +47,11 @@ def make(
     Args:
         session: The transaction.
         name: Whom it is for.
-        role: What they become.
-        behaviour_id: What a participant may play.
-        by_player_id: Who makes it; None for a command in the terminal.
-        max_uses: How many people it lets in.
-        days: After which it lets nobody in any more.
+        role: Role of invited people.
+        behaviour_id: Behaviour that a participant plays.
+        by_player_id: Player that makes the invitation; None for a command in the terminal.
+        max_uses: Most people that may use the invitation.
+        days: Lifetime in days.
 
     Raises:
         Invalid: It has no name, is for another owner, lacks a participant's behaviour, or a bound

@@ -47,12 +47,12 @@ def add(
     Args:
         session: The transaction.
         run_id: The run whose policy played.
-        key: Which game.
-        recording_id: Its recording.
+        key: Key of the game.
+        recording_id: Recording of the game.
         held_out: Whether no demonstration of the run began from this start.
         predicted_return: Sum of R over the game's observations.
         final_level: Mean level of R of its last 25 states.
-        score: Its hits compared with the target; None for behaviours without one.
+        score: Score against the target; None for behaviours without one.
     """
     row = EvaluationRow(
         run_id=run_id,

@@ -41,7 +41,7 @@ def judged_games(
     Args:
         session: The transaction.
         run: The run.
-        games: Its evaluation games, loaded with their recordings.
+        games: Evaluation games of the run, loaded with their recordings.
 
     Returns:
         By player; empty for behaviours without target cells, whose games have no true quantity.

@@ -63,7 +63,7 @@ def curves(
     """
     values = (MetricRow.values[name].as_float() for name in names)
     conditions = (MetricRow.run_id == run_id, MetricRow.stage == stage)
-    chosen = _thinned(session, conditions, most).get(stage, conditions)
+    chosen = _subsampled(session, conditions, most).get(stage, conditions)
     rows = session.execute(
         select(MetricRow.step, *values).where(*chosen).order_by(MetricRow.step)
     ).all()
@@ -94,7 +94,7 @@ def series(
     conditions = (MetricRow.run_id == run_id, MetricRow.id > after)
     last = session.scalar(select(func.max(MetricRow.id)).where(*conditions))
     curves_by_stage = Series()
-    for stage, chosen in _thinned(session, conditions, most).items():
+    for stage, chosen in _subsampled(session, conditions, most).items():
         by_name = curves_by_stage.setdefault(stage, {})
         points = select(MetricRow.step, MetricRow.values).where(*chosen).order_by(MetricRow.step)
         for step, values in session.execute(points):
@@ -103,8 +103,8 @@ def series(
     return last or after, curves_by_stage
 
 
-def _thinned(session: Session, selection: Conditions, most: int | None) -> dict[str, Conditions]:
-    """Return conditions for about ``most`` of the selected points of each stage, by stage."""
+def _subsampled(session: Session, selection: Conditions, most: int | None) -> dict[str, Conditions]:
+    """Return conditions, by stage, that select about ``most`` points of each."""
     stages = session.execute(
         select(MetricRow.stage, func.count(), func.min(MetricRow.step), func.max(MetricRow.step))
         .where(*selection)
@@ -115,7 +115,7 @@ def _thinned(session: Session, selection: Conditions, most: int | None) -> dict[
     for stage, n_points, first, last in stages:
         stage_conditions = (*selection, MetricRow.stage == stage)
         if most is not None and n_points > most:
-            chosen_steps = _apart(stage_conditions, first, max(1, (last - first) // most))
+            chosen_steps = _spaced_steps(stage_conditions, first, max(1, (last - first) // most))
             stage_conditions = (
                 *stage_conditions,
                 or_(MetricRow.step.in_(select(chosen_steps.c.step)), MetricRow.step == last),
@@ -124,10 +124,10 @@ def _thinned(session: Session, selection: Conditions, most: int | None) -> dict[
     return conditions
 
 
-def _apart(conditions: Conditions, first: int, width: int) -> CTE:
-    """Return the first step and, from each on, the next that is at least ``width`` beyond it.
+def _spaced_steps(conditions: Conditions, first: int, width: int) -> CTE:
+    """Return the first step and later ones at least ``width`` apart.
 
-    Each is looked up in the index, so that the many points between them are not read.
+    Each is looked up in the index; points between them are not read.
     """
     chosen_steps = select(literal(first).label("step")).cte("kept", recursive=True)
     next_step = (

@@ -27,8 +27,8 @@ def count_queued(session: Session, *further: ColumnElement[bool]) -> int:
     return session.scalar(select(func.count()).select_from(RunRow).where(*queued)) or 0
 
 
-def count_made_by(session: Session, player_id: int) -> int:
-    """Return the number of runs that a person has made, deleted ones included."""
+def count_of_player(session: Session, player_id: int) -> int:
+    """Return the number of a player's runs, including deleted ones."""
     query = select(func.count()).select_from(RunRow).where(RunRow.player_id == player_id)
     return session.scalar(query) or 0
 
@@ -98,8 +98,8 @@ def listing(
     return list(session.scalars(query.order_by(RunRow.created_at.desc(), RunRow.id).limit(limit)))
 
 
-def not_over(session: Session) -> list[RunRow]:
-    """Return the runs that are not over, oldest first."""
+def unfinished(session: Session) -> list[RunRow]:
+    """Return the unfinished runs, oldest first."""
     query = select(RunRow).where(RunRow.deleted_at.is_(None), RunRow.status.in_(NOT_OVER))
     return list(session.scalars(query.order_by(RunRow.created_at, RunRow.id)))
 

@@ -22,7 +22,7 @@ def verdict_of(session: Session, run: RunRow, alarm: RewardAlarm | None) -> Verd
     Args:
         session: The transaction.
         run: The run.
-        alarm: Its reward alarm, if there is one.
+        alarm: Reward alarm of the run, if there is one.
     """
     status = RunStatus(run.status)
     if not status.is_over:
