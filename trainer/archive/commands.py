@@ -19,7 +19,7 @@ def commands(run: RunObject, behaviour: Behaviour) -> list[str]:
 
     Args:
         run: The run.
-        behaviour: What it teaches.
+        behaviour: Behaviour that the run teaches.
     """
     recipe = recipe_from_dict(run.recipe)
     options = ["--recipe", recipe.name, "--steps", str(run.steps)]

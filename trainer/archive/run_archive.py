@@ -70,7 +70,7 @@ def write_archive(
     Raises:
         NotFound: No such run, or its behaviour was deleted.
         Conflict: It is not finished.
-        Invalid: Its recipe is one of another version.
+        Invalid: The run's recipe belongs to another version.
     """
     with database.reading() as session:
         exported = export_run(session, run_id)

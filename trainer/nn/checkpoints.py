@@ -39,7 +39,7 @@ def check_finite(quantity: str, *tensors: Tensor) -> None:
     """Refuse tensors with infinite or undefined numbers; raises NotFinite.
 
     Args:
-        quantity: What the tensors hold, for the message.
+        quantity: Name of the tensors, for the message.
         *tensors: The tensors; those of integers are always finite.
     """
     if all(tensor.isfinite().all() for tensor in tensors):
@@ -63,7 +63,7 @@ def save_tensors(path: Path, tensors: Mapping[str, Tensor], metadata: dict[str, 
 
 
 def load_tensors(path: Path) -> tuple[dict[str, Tensor], dict[str, str]]:
-    """Return what ``save_tensors`` wrote.
+    """Load tensors and text that ``save_tensors`` wrote.
 
     Raises:
         SafetensorError: The file is not in this format, or is not as it was written. Files of
@@ -98,8 +98,10 @@ def prefixed(prefix: str, tensors: Mapping[str, Tensor], separator: str = "/") -
     return {f"{prefix}{separator}{name}": tensor for name, tensor in tensors.items()}
 
 
-def by_prefix(tensors: Mapping[str, Tensor], separator: str = "/") -> dict[str, dict[str, Tensor]]:
-    """Return the tensors grouped by the prefixes that ``prefixed`` gave them."""
+def split_by_prefix(
+    tensors: Mapping[str, Tensor], separator: str = "/"
+) -> dict[str, dict[str, Tensor]]:
+    """Group tensors by their prefix, the inverse of ``prefixed``."""
     groups: dict[str, dict[str, Tensor]] = {}
     for path, tensor in tensors.items():
         prefix, _, name = path.partition(separator)
@@ -124,7 +126,7 @@ def restore_training(
     separator: str = "/",
 ) -> None:
     """Put a network and its optimizer into the state that ``training_tensors`` returned."""
-    groups = by_prefix(tensors, separator)
+    groups = split_by_prefix(tensors, separator)
     network.load_state_dict(groups["network"])
     restore_optimizer(optimizer, list(network.parameters()), groups.get("optimizer", {}))
 

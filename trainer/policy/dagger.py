@@ -66,7 +66,7 @@ class LabelledGame:
     Attributes:
         seen: The observations and their *labels*, not the actions taken.
         executed: The action of every frame, one byte each.
-        start: How the game began.
+        start: Start of the game.
         agreed: Share of the states in which the policy's likeliest action is the label, 0 to 1;
             None where no policy played.
     """
@@ -87,9 +87,8 @@ def train_by_dagger(
     """Train an imitator by DAgger and save its best policy.
 
     Args:
-        task: What it is trained from: the behaviour, and the learned reward to choose by, but no
-            demonstrations. Steps are rounded up to whole games, which always end at the hit: after
-            it there is nothing to label.
+        task: Behaviour and learned reward, but no demonstrations. Steps are rounded up to whole
+            games, which always end at the player's death: after it there is nothing to label.
         path: Where the policy is saved, for plain ``PPO.load``.
         checkpoint_folder: An existing folder of this training alone, from which an interrupted
             training continues. At most a game or the training of one policy is lost.

@@ -39,13 +39,13 @@ class Discriminator:
 
     Args:
         demonstrated: The observations in which the demonstrations acted, uint8 (N, 4, 84, 84).
-        recipe: How it is learned.
+        recipe: Recipe of the discriminator.
         training_seed: Seeds all random numbers.
         device: Device of the network and of ``model``.
 
     Attributes:
         model: The network as a reward model, as of the last round.
-        rounds: How often it has learned.
+        rounds: Number of completed rounds.
     """
 
     def __init__(

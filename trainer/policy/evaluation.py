@@ -35,11 +35,11 @@ class EvaluatedGame:
     """A game that a policy has played.
 
     Attributes:
-        start: How it began.
+        start: Start of the game.
         recording: The actions executed, without RAM hashes, which a verifying replay adds.
         taken: The items taken, in order of time.
         end: Name of the end.
-        died: Whether it ended with the player's death.
+        died: Whether the player died.
         counters: Counts, by name.
         score: Rewards of the game itself.
         rewards: R of the state that the policy played on from and of the state after each of its T
@@ -86,8 +86,8 @@ def play(
         end_rule: Name of the rule by which a loss ends a game; the default where it has no such.
         sampling_seed: Seeds one generator per game, so that a game does not depend on which others
             are played beside it.
-        sticky_action_probability: Of repeating the last frame's action; recordings hold the
-            executed actions. By default that of the action selection.
+        sticky_action_probability: Probability of repeating the last frame's action; recordings
+            hold the executed actions. By default that of the action selection.
         n_processes: See VectorGame.
         progress: Counts steps, up to the maximum of a game.
 
@@ -151,7 +151,7 @@ def play(
 def beginnings(
     game: Game, recipe: EvaluationRecipe, numbers: Sequence[int]
 ) -> list[Start | Opening]:
-    """Return where the games of evaluation starts begin, by the recipe with openings or without."""
+    """Return the beginnings of evaluation starts' games, by the recipe with openings or without."""
     return [evaluation_beginning(game.starts, number, recipe.openings) for number in numbers]
 
 

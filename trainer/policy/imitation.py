@@ -32,7 +32,7 @@ class ImitationTask:
         model: The learned reward.
         recordings: The ranked demonstrations.
         tiers: Indices into them, best tier first.
-        recipe: How it is trained.
+        recipe: Recipe of the training.
         steps: Training steps, rounded up to whole rollouts.
         training_seed: Seeds all random numbers.
         behaviour: For DAgger's expert and the curves of hits; PPO never looks at it.
@@ -75,7 +75,7 @@ class Snapshot:
     Attributes:
         policy: The policy, which learns on after this.
         steps: Training steps until then.
-        games: Its greedy games from training starts, see evaluate_snapshot.
+        games: Greedy games from training starts, see evaluate_snapshot.
     """
 
     policy: ScreenPolicy
@@ -118,7 +118,7 @@ def evaluate_snapshot(
         game: The game.
         policy: The policy.
         shaping: The reward.
-        recipe: How many games there are, and how they end.
+        recipe: Recipe with the number of games and their end.
         on_step: Called after every step of the games; what it raises ends them.
     """
     games = play(

@@ -225,13 +225,13 @@ class ImitationPPO(PPO):
             return policy.extract_features(inputs.to(device))
 
     def _convolve(self, screens: Tensor) -> Tensor:
-        """Return what the policy's convolutions make of screens, (N, channels * 7 * 7)."""
+        """Return the outputs of the policy's convolutions for screens, (N, channels * 7 * 7)."""
         device = device_of(self.policy)
         with self._precision.autocast(device):
             return self.policy.features_extractor.convolve(screens.to(device))
 
     def _inputs(self) -> Tensor:
-        """Return what the policy learns from: the rollout's screens.
+        """Return the policy's inputs: the rollout's screens.
 
         Where the convolutions are frozen, what they made of the screens when the policy acted: it
         is the same in every epoch, and for the start policy.

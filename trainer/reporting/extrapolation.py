@@ -82,7 +82,7 @@ def extrapolate(
 
     Args:
         quantity: The player's reward, by which its games are ranked.
-        recipe: How the reward is learned; there are no perfect demonstrations.
+        recipe: Recipe of the reward; there are no perfect demonstrations.
         training_seed: Feeds every random choice.
         progress: Told of the player's training and the reward model's, half of the work each.
         plan: Checkpoints and games; SkillPlan's defaults if None.

@@ -91,8 +91,8 @@ def attention_figure(title: str, states: Sequence[tuple[str, Path, Path]]) -> by
     """Put attention maps above the screens that they are of, pixel by pixel.
 
     Args:
-        title: What the reward model was learned from.
-        states: Of each state its name and the pictures of its map and of its screen.
+        title: Title of the figure, the reward model's training data.
+        states: Name, map picture and screen picture of each state.
     """
     margin, head = 8, 56
     pictures = [[Image.open(path).convert("RGB") for path in paths] for _, *paths in states]
@@ -131,7 +131,7 @@ def aliens_figure(
 
     Args:
         rows: The games.
-        columns: Of each who played (a key of COLOURS), and its heading.
+        columns: Player (a key of COLOURS) and heading of each column.
         form: Format of the figure.
     """
     figure, axes = _grid_of_axes(
@@ -155,7 +155,7 @@ def returns_figure(panels: Sequence[tuple[str, Entry]], form: PictureForm = SCRE
     of an earlier version, which did not keep them.
 
     Args:
-        panels: Of each its title and the result that it shows.
+        panels: Title and result of each panel.
         form: Format of the figure.
     """
     measure: Measure = (
@@ -256,8 +256,8 @@ def returns_scatter(
 
     Args:
         groups: The games, at least one in each group.
-        quantity: What the true quantity counts.
-        measure: What of R is drawn.
+        quantity: Label of the true quantity.
+        measure: Label of the prediction.
         set_apart: Whether marks that share a quantity are set apart by their groups.
         form: Format of the figure.
     """
@@ -295,8 +295,8 @@ def curves_figure(
     """Draw curves below each other, sharing their horizontal axis.
 
     Args:
-        curves: Of each its label, a colour and its points (step, value).
-        x_label: What the steps count.
+        curves: Label, colour and points (step, value) of each curve.
+        x_label: Label of the steps.
         form: Format of the figure.
     """
     figure, axes = _grid_of_axes(6.4, 1.6 * len(curves) + 0.6, len(curves), 1, share_x=True)

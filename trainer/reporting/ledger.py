@@ -41,7 +41,7 @@ class LedgerCell:
     Attributes:
         behaviour: Short name of the behaviour.
         recipe: Name of the recipe.
-        digest: Of the recipe's values, see recipe_digest.
+        digest: Digest of the recipe's values, see recipe_digest.
         steps: Steps of the imitator's training games.
         training_seed: Feeds every random choice.
         own_starts: As in PolicyRecipe.
@@ -78,7 +78,7 @@ class LedgerGame(NamedTuple):
         held_out: Whether no demonstration began from that start.
         hits: The items taken, in order of time.
         steps: Length of the game.
-        died: Whether it ended by a hit on the player.
+        died: Whether the player died.
         predicted_return: Sum of R over its observations, if it was computed.
     """
 
@@ -120,12 +120,12 @@ class Entry:
     """The result of a run.
 
     Attributes:
-        version: Of the format.
+        version: Version of the format.
         cell: Names it.
         finished_at: When, ISO 8601.
         seconds: Work of each stage, in seconds.
         check: Kendall's tau and accuracies of the reward model; empty if it was not checked.
-        versions: Of the software, and what the policy learned on (PRECISION, DEVICE).
+        versions: Versions of the software, with the policy's PRECISION and DEVICE.
         demonstrations: The ranking that was learned from.
         games: All evaluation games by policy and action selection, e.g. "imitator greedy".
         changes: Values, by dotted path, in which the recipe differs from the built-in one.
@@ -198,7 +198,7 @@ class Ledger:
         return [self._extrapolations[key] for key in sorted(self._extrapolations)]
 
     def missing(self, keys: Iterable[Key]) -> list[Key]:
-        """Return which results are not there, in the order given."""
+        """Return the missing results, in the given order."""
         present: set[object] = {*self._entries, *self._extrapolations}
         return [key for key in keys if key not in present]
 

@@ -49,7 +49,7 @@ class ResultGroup:
     """The results of one behaviour, recipe, number of steps and kind of demonstrations.
 
     Attributes:
-        behaviour: What was taught.
+        behaviour: Behaviour of the results.
         entries: The results by training seed, at least one.
     """
 
@@ -73,7 +73,7 @@ class ResultGroup:
         return f"{self.behaviour.name} ({', '.join(remarks)})" if remarks else self.behaviour.name
 
     def _remarks(self) -> list[str]:
-        """Return how the recipe differs from today's built-in one; nothing if it does not."""
+        """Return the recipe's differences from today's built-in one; empty if there are none."""
         changes = self.entries[0].changes
         if self.is_current:
             return []

@@ -60,9 +60,9 @@ class RecipeSection:
     """The results of a recipe.
 
     Attributes:
-        recipe: Its name.
+        recipe: Name of the recipe.
         groups: The results.
-        rows: Their games.
+        rows: Games of the recipe.
         shown: The groups in the pictures: of each behaviour the one with most steps.
     """
 
@@ -210,9 +210,9 @@ def _compared(
 
     Args:
         entries: All results.
-        fixed: What those that are compared have in common, and are sorted by.
-        varied: In what they differ.
-        order: Its values, the ordinary one first.
+        fixed: Properties that compared results share, also the sort key.
+        varied: Property in which compared results differ.
+        order: Values of ``varied``, the ordinary one first.
     """
     entries = [entry for entry in entries if varied(entry.cell) in order]
     compared = {fixed(entry.cell) for entry in entries if varied(entry.cell) != order[0]}

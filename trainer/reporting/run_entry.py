@@ -41,11 +41,11 @@ def read_entry(database: Database, run_id: str) -> Entry:
 
 
 def entry_of(session: Session, run: RunRow) -> Entry:
-    """Return what there is of a run, ``finished_at`` empty while it goes on.
+    """Return the ledger entry of a run, ``finished_at`` empty while it is not over.
 
     Raises:
-        NotFound: Its behaviour was deleted.
-        Invalid: Its recipe is one of another version.
+        NotFound: The run's behaviour was deleted.
+        Invalid: The run's recipe belongs to another version.
     """
     recipe = recipe_from_dict(run.recipe)
     changes = changed_values(recipe, RECIPES[recipe.name]) if recipe.name in RECIPES else {}

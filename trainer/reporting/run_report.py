@@ -59,7 +59,7 @@ class RunReport:
 
     Attributes:
         view: Variables of their templates, without the pictures.
-        figures: By name, in the order in which they are shown.
+        figures: Figures by name, in page order.
         attention: The files of the attention maps by name.
     """
 
@@ -82,7 +82,7 @@ def write_report(database: Database, store: ArtifactStore, run_id: str, folder: 
 
     Raises:
         NotFound: No such run, or its behaviour was deleted.
-        Invalid: Its recipe is one of another version.
+        Invalid: The run's recipe belongs to another version.
     """
     report = read_report(database, store, run_id)
     pictures = {f"{name}.png": draw(form=SCREEN) for name, draw in report.figures.items()}

@@ -28,9 +28,9 @@ class Experiment:
     """Names one extrapolation experiment.
 
     Attributes:
-        quantity: What the games are ranked by.
+        quantity: Quantity that ranks the games.
         recipe: Name of the recipe whose reward is learned.
-        digest: Of the recipe's reward part, see recipe_digest; no other part matters.
+        digest: Digest of the recipe's reward part, see recipe_digest; no other part matters.
         training_seed: Feeds every random choice.
     """
 

@@ -19,7 +19,7 @@ def advice(check: RankingCheck, *, aliens_alone: bool = False) -> str:
     """Return what the model did not learn of the ranking and what to do; empty if it passed.
 
     Args:
-        check: Of the ranking.
+        check: Check of the ranking.
         aliens_alone: Whether the model can only learn which aliens are wanted.
     """
     if check.passed:
@@ -58,7 +58,7 @@ def advice(check: RankingCheck, *, aliens_alone: bool = False) -> str:
 
 
 def warning(check: RankingCheck) -> str:
-    """Return what is doubtful although the check passed; empty if the model is confident.
+    """Return the doubts about a passed check; empty if the model is confident.
 
     Single tiers that are not told apart say nothing of the imitator: the page lists them.
     """

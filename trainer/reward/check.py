@@ -69,11 +69,11 @@ class ConfusedTiers:
     @property
     def told_apart(self) -> bool:
         """Whether the comparisons suggest that the model knows the order, some errors aside."""
-        return are_told_apart(self.n_right, self.n_compared)
+        return are_distinguished(self.n_right, self.n_compared)
 
 
-def are_told_apart(n_right: int, n_compared: int) -> bool:
-    """Return whether a model tells two tiers apart, by its comparisons of their demonstrations.
+def are_distinguished(n_right: int, n_compared: int) -> bool:
+    """Return whether a model distinguishes two tiers, given its comparisons of demonstrations.
 
     It does not where guessing (50% right) explains the outcome at least five times as well as
     knowing the order (95% right). That is at most 1 right of 2, 1 of 3, 4 of 6, 7 of 10, 15 of 20
@@ -100,8 +100,8 @@ class RankingCheck:
         confused: The tiers with confused demonstrations, worst first.
         passed: Whether there is something to learn: tau is at least 0.5 and the held-out accuracy
             at least 0.6; of a statement, whether the order is more probable by it than by chance.
-        log_odds: Of the order being about a statement rather than drawn blindly; None of rewards
-            that are learned otherwise.
+        log_odds: Log odds of a statement against a random order; None of rewards that are
+            learned otherwise.
     """
 
     predicted_returns: dict[int, float]
@@ -141,7 +141,7 @@ def check_ranking(
         ``jackknife``.
 
     Args:
-        model: What train_reward_model returned for the dataset.
+        model: Model that train_reward_model returned for the dataset.
         dataset: What it was learned from; ``folds`` and ``fold_updates`` of its recipe say how the
             held-out accuracy is measured.
         training_seed: Seeds the sampled fragments and the folds' networks.
@@ -196,7 +196,7 @@ def check_ranking(
 
 
 def jackknife(folds: Sequence[RewardNetwork], dataset: PreferenceDataset) -> Spread | None:
-    """Return how sure R is, by networks that were each trained without a group of the games.
+    """Return the spread of R over networks that were each trained without a group of the games.
 
     The variance of an estimate is (K - 1) / K times the sum of the squared deviations of its K
     values without one group each (the delete-a-group jackknife, Kott 2001). The networks' outputs
@@ -289,7 +289,7 @@ def _cross_validate(
 
 
 def _cross_validate_statement(dataset: PreferenceDataset, progress: Progress) -> list[PairOutcome]:
-    """Return how pairs are ordered by what is inferred without at least one of their two games."""
+    """Order pairs by statements inferred without at least one of their two games."""
     ranked = dataset.ranked
     n_folds = min(dataset.recipe.folds, len(ranked))
     outcomes: list[PairOutcome] = []

@@ -40,7 +40,7 @@ class FragmentLogits:
 
     Args:
         network: The network that is trained.
-        dataset: What it is trained on.
+        dataset: Dataset to train on.
         updates: Gradient updates of the training.
         seed: Seeds all random numbers.
     """

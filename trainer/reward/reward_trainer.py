@@ -58,7 +58,7 @@ def train_reward_model(
     """Learn a reward model from preferences.
 
     Args:
-        dataset: What it is learned from, and how.
+        dataset: Dataset to train on, with its recipe.
         training_seed: Seeds all random numbers. The same seed gives the same model on the CPU with
             the same number of threads; a GPU may round differently.
         progress: Counts updates; receives loss and accuracy by method "paper".
@@ -85,7 +85,7 @@ def network_trainer(
     checkpoint: Path | None = None,
     device: torch.device = CPU,
 ) -> RewardTrainer | WantedAliensTrainer | StatementTrainer:
-    """Return what trains one network by the dataset's recipe; the arguments are RewardTrainer's."""
+    """Return the trainer of one network by the dataset's recipe; see RewardTrainer."""
     if dataset.recipe.method == "posterior":
         return WantedAliensTrainer(dataset, updates, seed)
     if dataset.recipe.method == "statement":
@@ -102,7 +102,7 @@ class RewardTrainer:
     """Trains one reward network from fragments (method "paper").
 
     Args:
-        dataset: What it is learned from, and how.
+        dataset: Dataset to train on, with its recipe.
         updates: Gradient updates.
         seed: Seeds all random numbers.
         checkpoint: File from which an interrupted training continues; None saves nothing.
@@ -189,7 +189,7 @@ def calibrate(network: RewardNetwork, dataset: PreferenceDataset) -> RewardModel
 
     Args:
         network: The network.
-        dataset: What it was trained on.
+        dataset: Dataset that the network was trained on.
 
     Raises:
         Invalid: The network gives all states the same value.

@@ -88,7 +88,7 @@ class Answers:
     def to(
         self, header: dict[str, Any], body: bytearray, progress: Progress
     ) -> tuple[dict[str, Any], bytes]:
-        """Return what the header of the answer to a request says, and its values.
+        """Answer a request: return the header of the response, and its values.
 
         Args:
             header: The request's header.

@@ -247,11 +247,11 @@ class _Handler(socketserver.BaseRequestHandler):
             answers = Answers(self.server.models)
             # The client may have disconnected.
             with contextlib.suppress(ConnectionError, TimeoutError, ssl.SSLError):
-                while self._answer_one(connection, answers):
+                while self._handle_request(connection, answers):
                     pass
 
-    def _answer_one(self, connection: socket.socket, answers: Answers) -> bool:
-        """Answer a request; returns whether another may follow on this connection."""
+    def _handle_request(self, connection: socket.socket, answers: Answers) -> bool:
+        """Handle a request; return whether another may follow on this connection."""
         is_understood = False
         try:
             header, body = receive_message(connection)

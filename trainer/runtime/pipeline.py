@@ -351,12 +351,12 @@ class Pipeline:
 
 
 def store_unavailable_message(problem: ArtifactStoreUnavailable) -> str:
-    """Return what a person reads about a run that waits for the artifact store."""
+    """Return the message about a run that waits for the artifact store."""
     return f"{problem} The training goes on by itself as soon as it can be used again."
 
 
 def failure_message(stage: str, problem: BaseException, run_id: str) -> str:
-    """Return what a person reads about a failed stage: what went wrong and what to do."""
+    """Return the message about a failed stage: the reason and the next step."""
     if isinstance(problem, TrilError):
         return str(problem)
     if isinstance(problem, OSError) and problem.errno in {errno.ENOSPC, errno.EDQUOT}:

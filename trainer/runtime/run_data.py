@@ -96,7 +96,7 @@ class RunData:
         )
 
     def _game_facts(self) -> GameFacts:
-        """Return what the run's games, and varied ones, are like in the game's own vocabulary."""
+        """Return the facts of the run's games, and of varied ones, in the game's own vocabulary."""
         game = self.context.game
         words = self._words = self._words or vocabulary_of(
             self.context.settings.data, game, lambda *_: self.context.check_cancelled()
@@ -141,7 +141,7 @@ class RunData:
         """Replay recordings through an agent's eyes.
 
         Args:
-            ids: Which recordings.
+            ids: Ids of the recordings.
             progress: Told after each.
 
         Raises:
@@ -174,8 +174,8 @@ class RunData:
         """Put the file of the "imitator" or the "clone" into the artifact store.
 
         Args:
-            kind: Which of them.
-            path: Its file.
+            kind: Kind of the policy.
+            path: File of the policy.
             steps: Training steps behind an imitator that still learns; None for one that is ready.
         """
         details = {} if steps is None else {"steps": steps}

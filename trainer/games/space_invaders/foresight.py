@@ -46,7 +46,7 @@ class Lookahead:
         self._episode = Episode(console, AtariStart(0), max_frames=_NO_END)
 
     def outcomes(self, state: EpisodeState) -> npt.NDArray[np.bool_]:
-        """Return what each move leads to from a saved game, between two steps.
+        """Return the outcomes of each move from a saved game, between two steps.
 
         Returns:
             bool (N_OUTCOMES,): for each move whether the cannon is hit within each number of

@@ -53,7 +53,7 @@ class Targets:
     """Flags that a network learns to predict from screens.
 
     Attributes:
-        name: What figures call them.
+        name: Name in figures.
         flags: bool (N, K).
         weight: Factor on their mean loss.
     """
@@ -70,9 +70,9 @@ class Screens:
     Attributes:
         observations: uint8 (N, 4, 84, 84).
         bits: Bits of the memory, bool (N, 1024).
-        games: Which game each is from, int64 (N,), ascending.
-        outcomes: What each move would lead to, see Lookahead, bool (N, M); M is 0 if nobody looked.
-        standing: Which aliens of the full grid are left, row by row, bool (N, 36).
+        games: Game of each screen, int64 (N,), ascending.
+        outcomes: Outcomes of each move, see Lookahead, bool (N, M); M is 0 without lookahead.
+        standing: Remaining aliens of the full grid, row by row, bool (N, 36).
     """
 
     observations: Observations
@@ -101,11 +101,11 @@ class Screens:
         return Targets("hits", self.outcomes[:, :N_HITS], HITS_WEIGHT)
 
     def shots(self) -> Targets:
-        """Return which alien a shot would hit as what is predicted."""
+        """Return the alien that a shot would hit, as targets."""
         return Targets("shots", self.outcomes[:, N_HITS:], SHOTS_WEIGHT)
 
     def aliens(self) -> Targets:
-        """Return which aliens are left as what is predicted."""
+        """Return the remaining aliens, as targets."""
         return Targets("aliens", self.standing)
 
     def varying(self) -> npt.NDArray[np.int64]:
@@ -129,7 +129,7 @@ def play_games(
     """Play games and keep some of their states.
 
     Args:
-        n_games: How many games.
+        n_games: Number of games.
         seed: Seeds all draws.
         n_processes: Processes that play; affects the speed only.
         player: Plays each; a function of a module.
@@ -179,7 +179,7 @@ def _play_game(
 
 
 def _standing(episode: Episode) -> npt.NDArray[np.bool_]:
-    """Return which aliens of the full grid are left, bool (36,)."""
+    """Return the remaining aliens of the full grid, bool (36,)."""
     standing = np.ones((ROWS, COLUMNS), np.bool_)
     for hit in episode.taken:
         standing[hit.row, hit.column] = False
@@ -196,7 +196,7 @@ def _lookahead() -> Lookahead:
     return Lookahead(SPACE_INVADERS.make_console())
 
 
-def learn_to_read(
+def train_readings(
     read: Callable[[Tensor], Tensor],
     weights: Iterable[nn.Parameter],
     screens: Screens,
@@ -209,9 +209,9 @@ def learn_to_read(
     Args:
         read: Returns the logits of all targets, one after another, float32 (N, K), of screens,
             uint8 (N, 4, 84, 84) in channels-last order.
-        weights: What is learned.
-        screens: What it is learned from.
-        targets: What is predicted.
+        weights: Parameters to learn.
+        screens: Screens to learn from.
+        targets: Targets to predict.
         n_epochs: Passes over the screens.
         rng: Source of the order of the screens.
 

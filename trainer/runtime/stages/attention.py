@@ -39,7 +39,7 @@ def draw_attention(data: RunData, progress: Progress) -> None:
     for index, state in enumerate(states):
         part = ScaledProgress(progress, index / len(states), (index + 1) / len(states))
         _draw_state(data, state, console, rng, part)
-    _sum_up(data)
+    _write_summary(data)
 
 
 def _keep_percentiles(data: RunData, rewards: Sequence[npt.NDArray[np.float32]]) -> None:
@@ -118,7 +118,7 @@ def _npy(values: npt.NDArray[np.float32]) -> bytes:
     return target.getvalue()
 
 
-def _sum_up(data: RunData) -> None:
+def _write_summary(data: RunData) -> None:
     context = data.context
     folder = context.stage_folder("attention")
     page = write_report(context.database, context.artifacts, context.run_id, folder)

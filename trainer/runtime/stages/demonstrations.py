@@ -113,7 +113,9 @@ def _freeze(data: RunData, kind: ExampleKind) -> Judgement:
         made_rows = [
             row for _, row in sorted(_made(session, context.run.behaviour_id, kind).items())
         ]
-        outcomes = {row.id: _shown(row) for row in made_rows if row.conditions[TIER] is not None}
+        outcomes = {
+            row.id: _planned_game(row) for row in made_rows if row.conditions[TIER] is not None
+        }
         perfect = [row.id for row in made_rows if row.conditions[TIER] is None]
         example_seed = made_rows[0].conditions.get(SEED, context.run.training_seed)
         judgement = rank_example(context.behaviour, kind, outcomes, example_seed)
@@ -132,5 +134,5 @@ def _freeze(data: RunData, kind: ExampleKind) -> Judgement:
     return judgement
 
 
-def _shown(row: RecordingRow) -> PlannedGame:
+def _planned_game(row: RecordingRow) -> PlannedGame:
     return PlannedGame(row.conditions[TIER], recordings.cells_of(row), row.end)

@@ -61,7 +61,7 @@ def keep_games(
 ) -> None:
     """Verify a policy's games by replaying them on a console and store them, all or none."""
     context = data.context
-    training_starts = starts_seen(data)
+    training_starts = demonstrated_starts(data)
     verified = verify_games(context, games, console)
     model = data.reward_model
     sticky = stickiness(action_selection)
@@ -84,10 +84,10 @@ def keep_games(
             )
 
 
-def starts_seen(data: RunData) -> set[int]:
-    """Return the evaluation starts from which demonstrations or training games of the run began.
+def demonstrated_starts(data: RunData) -> set[int]:
+    """Return the evaluation starts of the run's demonstrations and training games.
 
-    What the runs that it continues have learned from counts, too.
+    Those of the runs that it continues are included.
     """
     with data.context.database.reading() as session:
         lineage = runs.lineage(session, data.context.run)
