@@ -164,7 +164,7 @@ class Recorder:
         recording: Recording,
         console: Console,
         max_frames: int | None = None,
-        near: EpisodeState | None = None,
+        nearest_state: EpisodeState | None = None,
     ) -> Self:
         """Resume a recording by replaying it on a console.
 
@@ -172,8 +172,8 @@ class Recorder:
             recording: The game so far.
             console: The console to play on.
             max_frames: Maximum length of the episode; None for the game's.
-            near: A state of the same game, not after the recording's last frame, to replay from
-                instead of the start. The recording must have hashes then.
+            nearest_state: State of the same game, not after the recording's last frame, to replay
+                from instead of the start. The recording must have hashes then.
 
         Raises:
             RecordingRefused: The replay differs from the recording.
@@ -181,8 +181,8 @@ class Recorder:
         _check_version(recording)
         console = _console(recording, console)
         recorder = cls(Episode(console, recording.start, recording.end_rule, max_frames))
-        if near is not None:
-            recorder.episode.restore(near)
+        if nearest_state is not None:
+            recorder.episode.restore(nearest_state)
             before = recorder.episode.frame // recorder._interval
             recorder._hashes = list(recording.hashes[:before])
         for action in recording.actions[recorder.episode.frame :]:
@@ -311,7 +311,7 @@ def _measured_replay(
         if on_frame:
             on_frame(episode)
 
-    needs_memory = any(reads_memory(game, one) for one in measures)
+    needs_memory = any(reads_memory(game, measure) for measure in measures)
     played = replay(recording, console, keep_memory if needs_memory else on_frame)
     episode = Played(
         memory=np.array(memory, np.uint8),

@@ -94,7 +94,7 @@ def clean_lines(text: str, max_length: int | None = None) -> str:
 
 
 def shown_line(text: str, max_length: int | None = None) -> str:
-    """Return what was stored such that ``clean_line`` accepts it.
+    """Return a stored text such that ``clean_line`` accepts it.
 
     Earlier versions stored what is refused today. Each such character becomes U+FFFD.
     """
@@ -102,7 +102,7 @@ def shown_line(text: str, max_length: int | None = None) -> str:
 
 
 def shown_lines(text: str, max_length: int | None = None) -> str:
-    """Return what was stored such that ``clean_lines`` accepts it, as ``shown_line`` does."""
+    """Return a stored text such that ``clean_lines`` accepts it, as ``shown_line`` does."""
     return _replaced(_composed_lines(text)[:max_length], _KEPT_IN_LINES)
 
 

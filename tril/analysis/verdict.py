@@ -70,7 +70,7 @@ class Verdict:
 
 
 def verdict(run: RunFigures) -> Verdict:
-    """Return what came of a run and what to do next."""
+    """Return the result of a run and the next step."""
     imitator = None if run.headline is None else run.headline.imitator
     clone = None if run.headline is None else run.headline.clone
     if imitator is None:

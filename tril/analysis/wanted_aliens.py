@@ -121,7 +121,7 @@ class Hits:
 
 
 def learned_order(best: Sequence[Hits]) -> Array:
-    """Return how surely each alien counts only once its row is swept up to it, float64 (36,).
+    """Return the weight of order for each alien, float64 (36,), 0 to 1.
 
     It grows in proportion from 0, where half of the games that clear the row up to the alien or
     fewer have hit it last, to 1. The share is the posterior mean under Jeffreys' prior, so that two
@@ -194,7 +194,7 @@ def _log_beta_binomial(k: int, n: int, a: int, b: int) -> float:
 
 
 def pair_weights(pairs: Iterable[Sequence[int]], tiers: Iterable[Sequence[int]]) -> Array:
-    """Return how much each pair counts, float64 (P,): 1 divided by the size of its larger tier.
+    """Return the weight of each pair, float64 (P,): 1 divided by the size of its larger tier.
 
     Args:
         pairs: Games of different tiers.
@@ -252,7 +252,7 @@ class Posterior:
         return probabilities
 
     def draws(self, rng: np.random.Generator, n_passes: int) -> npt.NDArray[np.int64]:
-        """Return how many aliens of each column are wanted after each pass, int64 (S, 6).
+        """Return the number of wanted aliens of each column after each pass, int64 (S, 6).
 
         The first passes are dropped, see BURN_IN.
         """
@@ -264,7 +264,7 @@ class Posterior:
 
 
 def _counted(hits: Sequence[Hits], order: Array) -> tuple[Array, Array]:
-    """Return what each game gains by each alien if it is wanted, and loses if not, (n, 36) each."""
+    """Return each game's gain by each alien if it is wanted, and loss if not, (n, 36) each."""
     cleared = np.reshape([game.gone for game in hits], (-1, N_ALIENS)).astype(float)
     swept = np.reshape([game.swept for game in hits], (-1, N_ALIENS)).astype(float)
     return (1.0 - order) * cleared + order * swept, cleared
@@ -306,7 +306,7 @@ def labels_of_draws(draws: npt.NDArray[np.int64]) -> Array:
 
 
 def worth(labels: Array, order: Array, hits: Sequence[Hits]) -> Array:
-    """Return what games are worth by each draw's labels, float64 (S, n).
+    """Return the worth of games by each draw's labels, float64 (S, n).
 
     Args:
         labels: float64 (S, 36).

@@ -120,7 +120,7 @@ def swap_neighbours(ranking: Ranking, n_pairs: int, rng: np.random.Generator) ->
 
 
 def merit(behaviour: Behaviour, hits: tuple[Cell, ...], end: str | None) -> tuple[int, int]:
-    """Return what a game is worth, to be compared: its hits, then whether it was survived.
+    """Return the merit of a game, for comparison: its hits, then whether it was survived.
 
     Args:
         behaviour: A behaviour with target cells.

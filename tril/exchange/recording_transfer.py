@@ -146,7 +146,7 @@ def import_recordings(
 
 
 def _identity(recording: Recording) -> tuple[str, Start, bytes, str]:
-    """Return what determines a game: the emulator plays it the same way again."""
+    """Return the identity of a game: everything that determines its replay."""
     return recording.game.name, recording.start, recording.actions, recording.version
 
 

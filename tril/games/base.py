@@ -274,7 +274,7 @@ def spread_starts(starts: Sequence[Start], count: int) -> list[Start]:
 
 
 def evaluation_beginning(starts: Starts, number: int, openings: bool) -> Start | Opening:
-    """Return where the game of an evaluation start begins, with its opening or without.
+    """Return the beginning of an evaluation start's game, with its opening or without.
 
     Raises:
         UnknownStart: There is no such start number.
@@ -411,7 +411,7 @@ class Readout(Protocol):
         """Read a frame that was executed; return the name of the end that it brought, if any."""
 
     def marks(self, console: Console) -> bytes:
-        """Return what the page's overlay needs of the current frame; `Overlay.marks_bytes` long."""
+        """Return the overlay data of the current frame; `Overlay.marks_bytes` long."""
 
     def save(self) -> JsonObject:
         """Return the state, besides items and counters."""

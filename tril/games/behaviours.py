@@ -75,8 +75,8 @@ def score(behaviour: Behaviour, taken: tuple[Cell, ...]) -> Score | None:
     """Compare items, in order of time, with a behaviour's target; None without a target."""
     if behaviour.target is None:
         return None
-    wanted = set(behaviour.target)
-    on_target = [cell for cell in taken if cell in wanted]
+    target = set(behaviour.target)
+    on_target = [cell for cell in taken if cell in target]
     errors = 0
     if behaviour.ordered:
         position = {cell: index for index, cell in enumerate(behaviour.target)}

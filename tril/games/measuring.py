@@ -186,10 +186,10 @@ def _check_cells(game: Game, measure: ItemsTaken | ItemsInOrder) -> None:
             raise Invalid(f"{game.title} has no {game.items.singular} in {cell_name(cell)}.")
 
 
-def _cells(one: ItemsTaken | ItemsInOrder) -> tuple[Cell, ...]:
-    if isinstance(one, ItemsTaken):
-        return one.cells or ()
-    return tuple(cell for groups in one.sequences for group in groups for cell in group)
+def _cells(measure: ItemsTaken | ItemsInOrder) -> tuple[Cell, ...]:
+    if isinstance(measure, ItemsTaken):
+        return measure.cells or ()
+    return tuple(cell for groups in measure.sequences for group in groups for cell in group)
 
 
 def _value(game: Game, measure: Measure, played: Played) -> float | None:

@@ -49,7 +49,7 @@ class Judgement:
 
     @classmethod
     def of(cls, values: Values) -> Judgement:
-        """Return what the process answered, float32 (2, N), NaN where nothing is known."""
+        """Parse a response, float32 (2, N), NaN where nothing is known."""
         return cls(values[0], None if np.isnan(values[1]).any() else values[1])
 
 
@@ -77,7 +77,7 @@ class AttentionMap:
 
     @classmethod
     def of(cls, header: Mapping[str, Any], values: bytes | bytearray) -> AttentionMap:
-        """Return what the process answered: the header, and float32 (84, 84)."""
+        """Parse a response: the header, and float32 (84, 84)."""
         action = header.get("action")
         return cls(
             np.frombuffer(values, np.float32).reshape(SIZE, SIZE),

@@ -174,7 +174,7 @@ Endpoint = LocalEndpoint | TcpEndpoint
 
 
 def endpoint_of(settings: Settings) -> Endpoint:
-    """Return where the inference process answers.
+    """Return the address of the inference process.
 
     Raises:
         Invalid: An address has no key or too short a one, or can be read by others on the way;

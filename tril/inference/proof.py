@@ -46,7 +46,7 @@ class Challenge:
         self.greeting = GREETING + self._nonce
 
     def answer(self, response: bytes | bytearray) -> bytes:
-        """Return what a client's response of RESPONSE_BYTES is answered.
+        """Check a client's response of RESPONSE_BYTES and return the answer to it.
 
         Raises:
             NotProven: The client has another key.

@@ -70,7 +70,7 @@ def _stage_seconds(recipe: Recipe, steps: int, last: RunRow | None) -> dict[Stag
 def _slowness(
     took_s: float, expected_s: float, prior: float = 1.0, prior_s: float = NEGLIGIBLE_S
 ) -> float:
-    """Return how much longer something took than expected, about ``prior`` if it was short.
+    """Return the ratio of actual to expected time, about ``prior`` if it was short.
 
     Args:
         took_s: Seconds that it took.
@@ -104,7 +104,7 @@ class RunEta:
         return cls({stage: seconds[stage] for stage in stages_of(run.example)})
 
     def progress(self, finished: Collection[str], stage: str, done: float) -> float:
-        """Return how much of the run is done, 0..1, weighting its stages by the time they take.
+        """Return the finished share of the run, 0..1, weighting its stages by their duration.
 
         Args:
             finished: The finished stages.
@@ -158,7 +158,7 @@ def _bounded(slowness: float) -> float:
 
 
 def overall_progress(session: Session, run: RunRow) -> float:
-    """Return how much of a run is done, 0..1, by the estimate that tells what remains of it."""
+    """Return the finished share of a run, 0..1, by the estimate of its remaining time."""
     if run.status == RunStatus.DONE:
         return 1.0
     if not run.finished_stages and not run.stage_done:

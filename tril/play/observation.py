@@ -70,7 +70,7 @@ _NEWEST = (STACK - 1) * SIZE * SIZE
 
 
 def visible_pixels(screen: ScreenSpec) -> npt.NDArray[np.bool_]:
-    """Return which pixels of an observation learning sees, bool (84, 84).
+    """Return the pixels of an observation that learning sees, bool (84, 84).
 
     A pixel is hidden if any part of its area on the screen is.
     """

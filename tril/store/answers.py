@@ -14,7 +14,7 @@ from tril.store.models import StatementAnswerRow
 
 
 def current(session: Session, behaviour_id: int) -> list[StatementAnswer]:
-    """Return what counts of a behaviour's answers, the latest last.
+    """Return the valid answers of a behaviour, the latest last.
 
     Of each statement that is the latest answer, unless it was taken back.
     """

@@ -96,8 +96,8 @@ def by_slug(session: Session, slug: str) -> BehaviourRow:
         select(BehaviourRow).where(BehaviourRow.slug == slug, BehaviourRow.deleted_at.is_(None))
     )
     if row is None:
-        known = ", ".join(row.slug for row in listing(session))
-        raise NotFound(f"There is no behaviour {slug!r}; there are {known}.")
+        slugs = ", ".join(row.slug for row in listing(session))
+        raise NotFound(f"There is no behaviour {slug!r}; there are {slugs}.")
     return row
 
 
@@ -311,9 +311,9 @@ def free_name(session: Session, name: str) -> str:
 
 def seed_built_in(session: Session) -> None:
     """Add the built-in behaviours that are missing."""
-    known = set(session.scalars(select(BehaviourRow.slug)))
+    slugs = set(session.scalars(select(BehaviourRow.slug)))
     for behaviour in published():
-        if behaviour.slug not in known:
+        if behaviour.slug not in slugs:
             _add(session, behaviour, built_in=True)
 
 

@@ -65,8 +65,8 @@ class ChangeReader:
         self._missing: dict[int, float] = {}
         self._last = newest_change(session)
         first = max(0, self._last - MAX_GAPS)
-        seen = set(session.scalars(select(ChangeRow.id).where(ChangeRow.id > first)))
-        self._note_missing(set(range(first + 1, self._last)) - seen)
+        ids = set(session.scalars(select(ChangeRow.id).where(ChangeRow.id > first)))
+        self._note_missing(set(range(first + 1, self._last)) - ids)
 
     def read(self, session: Session, limit: int = MAX_GAPS) -> list[ChangeRow]:
         """Return at most so many changes that were not read yet, in the order of their ids."""
@@ -75,11 +75,11 @@ class ChangeReader:
         is_new = or_(ChangeRow.id > self._last, ChangeRow.id.in_(self._missing))
         query = select(ChangeRow).where(is_new).order_by(ChangeRow.id).limit(limit)
         rows = list(session.scalars(query))
-        seen = {row.id for row in rows}
-        last = max(seen | {self._last})
-        for key in seen & self._missing.keys():
+        ids = {row.id for row in rows}
+        last = max(ids | {self._last})
+        for key in ids & self._missing.keys():
             del self._missing[key]
-        self._note_missing(set(range(max(self._last + 1, last - MAX_GAPS), last)) - seen)
+        self._note_missing(set(range(max(self._last + 1, last - MAX_GAPS), last)) - ids)
         self._last = last
         return rows
 
@@ -92,8 +92,8 @@ def prune(session: Session, keep: timedelta = timedelta(hours=1)) -> None:
 
     The newest stays, because SQLite gives ids again once the highest is gone.
     """
-    old = ChangeRow.created_at < database_now(session) - keep
-    session.execute(delete(ChangeRow).where(old, ChangeRow.id < newest_change(session)))
+    is_old = ChangeRow.created_at < database_now(session) - keep
+    session.execute(delete(ChangeRow).where(is_old, ChangeRow.id < newest_change(session)))
 
 
 def newest_change(session: Session) -> int:

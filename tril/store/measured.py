@@ -20,7 +20,7 @@ from tril.store.models import BehaviourRow, RecordingRow, RecordingState, Verifi
 
 
 def unmeasured(session: Session) -> dict[int, tuple[Measure, ...]]:
-    """Return what is missing of the values of each recording, by its id, newest first.
+    """Return the missing measures of each recording, by its id, newest first.
 
     Verified recordings count, those of runs and borrowed ones included.
     """

@@ -349,7 +349,7 @@ def _add(
 def _rankable(
     session: Session, behaviour_id: int, among: Collection[int] | None = None
 ) -> set[int]:
-    """Return what a behaviour's ranking may hold, or which of some recordings it may."""
+    """Return the recordings that a behaviour's ranking may hold, of all or of some."""
     is_own = and_(RecordingRow.behaviour_id == behaviour_id, RecordingRow.run_id.is_(None))
     is_borrowed = RecordingRow.id.in_(borrowed_ids(behaviour_id))
     query = select(RecordingRow.id).where(or_(is_own, is_borrowed), *RANKABLE)

@@ -253,7 +253,7 @@ def branches(session: Session, recording_id: int, only_of: int | None = None) ->
 def own_ids(
     session: Session, player_id: int, behaviour_ids: Collection[int], ids: Iterable[int]
 ) -> set[int]:
-    """Return which of these recordings a person played, of these behaviours."""
+    """Return those of these recordings that a person played, of these behaviours."""
     query = select(RecordingRow.id).where(
         RecordingRow.id.in_(set(ids)),
         RecordingRow.behaviour_id.in_(behaviour_ids),

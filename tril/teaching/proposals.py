@@ -55,7 +55,7 @@ def proposed_games(
 def pick_training_games(
     behaviour: Behaviour, games: Sequence[tuple[Sequence[Cell], bool]]
 ) -> Sequence[int]:
-    """Return which games to keep: few, and unlike each other.
+    """Pick the games to keep: few, and unlike each other.
 
     Args:
         behaviour: Behaviour to teach.

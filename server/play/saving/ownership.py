@@ -211,7 +211,7 @@ class GameOwnership:
         """End abandoned games, and keep finished ones that nobody decided about.
 
         Args:
-            rules: After which time.
+            rules: Rules with the time limits.
             loaded: Games in this process, which are left alone.
         """
         await self._committer.run(
@@ -247,10 +247,10 @@ class GameOwnership:
         self._limits.check_recordings(session, None if player is None else player[0])
         return games.branch(session, before, after, refusal)
 
-    def _rebuild(self, recording: Recording, near: EpisodeState | None = None) -> Recorder:
+    def _rebuild(self, recording: Recording, nearest_state: EpisodeState | None = None) -> Recorder:
         console = self._consoles.take(recording.game)
         try:
-            return Recorder.resume(recording, console, near=near)
+            return Recorder.resume(recording, console, nearest_state=nearest_state)
         except BaseException:
             self._consoles.give_back(console)
             raise
@@ -298,7 +298,7 @@ async def find_refusal(
 
     Args:
         replays: The replay process.
-        recording: What was played.
+        recording: Recording of the game.
         taken: The items taken.
         give_up: Asked after each failure to replay whether to raise instead of retrying.
 

@@ -88,7 +88,7 @@ class ScreenState:
 
 
 def read_screen(episode: Episode) -> ScreenState:
-    """Return what a game's screen shows."""
+    """Read a game's screen."""
     ram = episode.console.ram_bytes()
     rows, columns = np.nonzero(alien_grid(episode.readout).alive)
     return ScreenState(
@@ -106,7 +106,7 @@ class HumanLikePlayer:
     def __init__(
         self,
         recorder: Recorder,
-        wanted: Sequence[Cell],
+        targets: Sequence[Cell],
         style: PlayStyle,
         error_model: ErrorModel,
         rng: np.random.Generator,
@@ -115,14 +115,14 @@ class HumanLikePlayer:
 
         Args:
             recorder: The game to play and record.
-            wanted: The aliens to hit, as (row, column), in an order in which each can be shot.
+            targets: The aliens to hit, as (row, column), in an order in which each can be shot.
             style: Playing style; its aim_px is ignored in favour of error_model.aim_error_px.
             error_model: Player errors.
             rng: Source of the player's random choices.
         """
         self._recorder = recorder
         self._episode = recorder.episode
-        self._wanted = list(wanted)
+        self._targets = list(targets)
         self._style = style
         self._error_model = error_model
         self._rng = rng
@@ -130,7 +130,7 @@ class HumanLikePlayer:
         self._watched: deque[ScreenState] = deque(maxlen=_WATCHED_FRAMES)
         self._held: deque[int] = deque(maxlen=error_model.reaction_frames)
         self._keys: deque[int] = deque()
-        self._due = draw_times(wanted, style, self._episode.max_frames, rng)
+        self._due = draw_times(targets, style, self._episode.max_frames, rng)
         self._leaves_at = float(self._episode.max_frames)
         if rng.random() < error_model.cut_short_share:
             self._leaves_at *= rng.uniform(_EARLIEST_LEAVE, 1)
@@ -173,7 +173,7 @@ class HumanLikePlayer:
             return self._stroll(screen, self._current_x(screen), self._style.wait_steps)
         cell = next_one[0]
         place = screen.columns[cell[1]] - game.MISSILE_OFFSET
-        if frame < self._due[len(self._wanted) - len(next_one)]:
+        if frame < self._due[len(self._targets) - len(next_one)]:
             return self._stroll(screen, place, self._style.wait_steps)
         at = self._aim(screen, cell)
         if at is None:
@@ -188,7 +188,7 @@ class HumanLikePlayer:
 
     def _remaining(self, screen: ScreenState) -> list[Cell]:
         """Return the remaining aliens to hit."""
-        return [cell for cell in self._wanted if cell in screen.alive]
+        return [cell for cell in self._targets if cell in screen.alive]
 
     def _current_x(self, screen: ScreenState) -> float:
         """Estimate the current x from the one seen and the keys held since."""
@@ -280,7 +280,7 @@ class HumanLikePlayer:
         return [int(Action.FIRE)] * int(self._rng.integers(*_FIRE_FRAMES))
 
     def _aim(self, screen: ScreenState, cell: Cell) -> float | None:
-        """Return where to fire at an alien: about the middle of the widest gap in the shields.
+        """Return the firing position for an alien: about the middle of the widest shield gap.
 
         The aim error is drawn once per shot. None if no gap is within reach.
         """
@@ -310,8 +310,8 @@ def _open_places(centre: int) -> list[int]:
         x
         for x in range(first, last + 1)
         if not any(
-            left - _SHIELD_MARGIN_PX <= x <= right + _SHIELD_MARGIN_PX
-            for left, right in game.SHIELDS
+            left_edge - _SHIELD_MARGIN_PX <= x <= right_edge + _SHIELD_MARGIN_PX
+            for left_edge, right_edge in game.SHIELDS
         )
     ]
 

@@ -83,20 +83,20 @@ def draw_brisk_style(rng: np.random.Generator) -> PlayStyle:
 
 
 def draw_times(
-    wanted: Sequence[Cell], style: PlayStyle, max_frames: int, rng: np.random.Generator
+    targets: Sequence[Cell], style: PlayStyle, max_frames: int, rng: np.random.Generator
 ) -> list[float]:
     """Draw the earliest time of each target hit, in frames from the start.
 
     Args:
-        wanted: The aliens to hit, in order.
+        targets: The aliens to hit, in order.
         style: Playing style.
         max_frames: Length of the game.
         rng: Source of the draws.
     """
-    latest = min(style.pace, max(0.0, 1 - len(wanted) * _SHARE_PER_HIT))
-    times = np.sort(rng.uniform(0, latest * max_frames, len(wanted)))
+    latest = min(style.pace, max(0.0, 1 - len(targets) * _SHARE_PER_HIT))
+    times = np.sort(rng.uniform(0, latest * max_frames, len(targets)))
     # The rightmost column is out of the cannon's reach from about frame 600 to 1,000.
-    leaving = [n for n, (_, column) in enumerate(wanted) if column == game.COLUMNS - 1]
+    leaving = [n for n, (_, column) in enumerate(targets) if column == game.COLUMNS - 1]
     if leaving:
         times[: leaving[-1] + 1] = 0
     return [float(time) for time in times]
@@ -106,11 +106,15 @@ class ScriptedPlayer:
     """Plays one game in which it hits the given aliens in order and no others."""
 
     def __init__(
-        self, recorder: Recorder, wanted: Sequence[Cell], style: PlayStyle, rng: np.random.Generator
+        self,
+        recorder: Recorder,
+        targets: Sequence[Cell],
+        style: PlayStyle,
+        rng: np.random.Generator,
     ) -> None:
         """Prepare to play the recorder's game, which is at its start; see Planner."""
         self._recorder = recorder
-        self._planner = Planner(recorder.episode, wanted, style, rng)
+        self._planner = Planner(recorder.episode, targets, style, rng)
 
     def play(self) -> None:
         """Play until the game ends, skipping hits that prove impossible."""
@@ -129,30 +133,30 @@ class Planner:
     """Plans the next actions in a game by simulating them on it."""
 
     def __init__(
-        self, episode: Episode, wanted: Sequence[Cell], style: PlayStyle, rng: np.random.Generator
+        self, episode: Episode, targets: Sequence[Cell], style: PlayStyle, rng: np.random.Generator
     ) -> None:
         """Make a planner for a game.
 
         Args:
             episode: The game, which ends at the hit; planning restores its state.
-            wanted: The aliens to hit, as (row, column), in an order in which each can be shot.
+            targets: The aliens to hit, as (row, column), in an order in which each can be shot.
                 Begins with those hit so far.
             style: Playing style.
             rng: Source of the player's random choices.
         """
         self._episode = episode
-        self._wanted = list(wanted)
+        self._targets = list(targets)
         self._style = style
         self._rng = rng
-        self._due = draw_times(wanted, style, episode.max_frames, rng)
+        self._due = draw_times(targets, style, episode.max_frames, rng)
         self._next_try = 0
 
     def next_actions(self) -> Sequence[int]:
         """Return the actions of the next steps, at least one, to be played before the next call."""
         n_hits = len(self._episode.taken)
-        if n_hits == len(self._wanted):
+        if n_hits == len(self._targets):
             return self._walk(_player_x(self._episode))
-        cell = self._wanted[n_hits]
+        cell = self._targets[n_hits]
         if self._episode.frame >= max(self._due[n_hits], self._next_try):
             shot = self._shot(cell)
             if shot is not None:
@@ -222,8 +226,8 @@ class Planner:
         """Return moves during the missile's flight, best first: to the next alien, or none."""
         asides = [[], *([int(side)] * n_steps for n_steps in _DODGES for side in _SIDES)]
         n_next = len(self._episode.taken) + 1
-        if n_next < len(self._wanted) and self._episode.frame >= self._due[n_next]:
-            way = column_centre(self._episode, self._wanted[n_next][1]) - _missile_x(self._episode)
+        if n_next < len(self._targets) and self._episode.frame >= self._due[n_next]:
+            way = column_centre(self._episode, self._targets[n_next][1]) - _missile_x(self._episode)
             if abs(way) > game.COLUMN_WIDTH / 2:
                 asides.insert(0, [direction_to(way)] * round(abs(way) / _PX_PER_STEP))
         return asides

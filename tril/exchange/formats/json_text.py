@@ -81,7 +81,7 @@ def parse_json(text: str) -> Any:
 
 
 def describe_foreign(head: bytes, *expected: str) -> str | None:
-    """Return what a file is, by its beginning, if it is not JSON in a format expected.
+    """Describe a file by its beginning, if it is not JSON in an expected format.
 
     Args:
         head: The file's beginning.

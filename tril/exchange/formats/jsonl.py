@@ -122,20 +122,20 @@ def _pieces(head: bytes, stream: BinaryIO, size: int) -> Iterator[bytes]:
 
 def _lines(head: bytes, pieces: Iterator[bytes], limit: int) -> Iterator[tuple[int, bytes | None]]:
     """Yield the number and content of each line; None for a line that is too long."""
-    number, rest, too_long = 1, head, False
+    number, remainder, too_long = 1, head, False
     while True:
-        *complete_lines, rest = rest.split(b"\n")
+        *complete_lines, remainder = remainder.split(b"\n")
         for line in complete_lines:
             yield number, None if too_long or len(line) > limit else line
             number, too_long = number + 1, False
-        if len(rest) > limit:
-            too_long, rest = True, b""
+        if len(remainder) > limit:
+            too_long, remainder = True, b""
         piece = next(pieces, b"")
         if not piece:
-            if rest or too_long:
-                yield number, None if too_long else rest
+            if remainder or too_long:
+                yield number, None if too_long else remainder
             return
-        rest += piece
+        remainder += piece
 
 
 def _parsed(number: int, text: bytes) -> JsonLine:

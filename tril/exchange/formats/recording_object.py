@@ -195,7 +195,11 @@ def parse_recording(content: object) -> RecordingObject:
         raise RecordingRefused(
             f"Expected one JSON object per recording, got {truncated(repr(content))}."
         )
-    names = {new: old for old, new in _RENAMED.items()} if content.get("version") == 1 else {}
+    names = (
+        {new_name: old_name for old_name, new_name in _RENAMED.items()}
+        if content.get("version") == 1
+        else {}
+    )
     try:
         return RecordingObject.model_validate(normalise_json(content))
     except RecursionError:

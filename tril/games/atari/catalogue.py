@@ -79,7 +79,7 @@ class Entry:
 
 
 def rom_path(rom: str) -> Path:
-    """Return where a ROM is: in the emulator's package, not where ALE_ROMS_DIR says."""
+    """Return the path of a ROM: in the emulator's package, not in ALE_ROMS_DIR."""
     return Path(roms.__file__).with_name(f"{rom}.bin")
 
 
@@ -91,7 +91,7 @@ def rom_md5(rom: str) -> str:
 
 @cache
 def entries() -> Mapping[str, Entry]:
-    """Return what is known of each game, by the name of its ROM."""
+    """Return the catalogue's entries by the name of their ROM."""
     surveyed: dict[str, Any] = json.loads(CATALOGUE.read_text())
     return {
         rom: Entry(

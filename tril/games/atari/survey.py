@@ -125,7 +125,7 @@ class Subject:
 
 
 def intro_of(subject: Subject) -> dict[str, int] | None:
-    """Return what precedes a game, None if no key is found that makes a difference."""
+    """Find the intro of a game, None if no key makes a difference."""
     titles = [name for name in ("FIRE", "UP", "RIGHT", "DOWN", "LEFT") if name in subject.names]
     for title in (None, *titles):
         hold = 0 if title is None else TITLE_HOLD
@@ -201,7 +201,7 @@ def event_bytes(events: Mask, games: Games) -> dict[int, float]:
 
 
 def pixels_of(subject: Subject, states: Sequence[ale_py.ALEState], byte: int) -> Box | None:
-    """Return where the screen changes with a byte of memory, in at least half of the states."""
+    """Return the pixels that change with a byte of memory, in at least half of the states."""
     picked = [states[n] for n in np.linspace(0, len(states) - 1, 10).astype(int)]
     share = np.mean([_changed_pixels(subject, state, byte) for state in picked], axis=0)
     return _box(share >= 0.5)
@@ -237,7 +237,7 @@ def _box(mask: Mask) -> Box | None:
 
 
 def areas_of(subject: Subject, events: Mask, games: Games) -> list[Box]:
-    """Return where the screen shows what changes at events: digits, and those beside them."""
+    """Return the areas of the screen that change at events: digits, and those beside them."""
     height, width = games.moved.shape
     boxes: dict[int, Box] = {}
     recalls = event_bytes(events, games)

@@ -65,7 +65,7 @@ class ResetDistribution(Protocol):
     def sample(
         self, rng: np.random.Generator, game_index: int, games_before: int
     ) -> Start | Opening | DemonstrationStep | None:
-        """Return where a game's next episode begins, None if it has none.
+        """Return the beginning of the game's next episode, None if it has none.
 
         Args:
             rng: the game's own generator.

@@ -136,7 +136,7 @@ def accept(
     browser_secret = None
     if len(form_key) >= FORM_KEY_LENGTH:
         browser_secret = credentials.secret_from(secret, form_key)
-        known = session.execute(
+        invitation = session.execute(
             select(InvitationRow.behaviour_id)
             .join(CredentialRow, CredentialRow.invitation_id == InvitationRow.id)
             .where(
@@ -145,8 +145,8 @@ def accept(
                 CredentialRow.ended_at.is_(None),
             )
         ).one_or_none()
-        if known is not None:
-            return browser_secret, known.behaviour_id
+        if invitation is not None:
+            return browser_secret, invitation.behaviour_id
     row = find(session, secret)
     if row is None:
         raise NotFound("This invitation is not valid any more. Ask for a new link.")

@@ -39,7 +39,7 @@ class Person:
 
 
 def people(session: Session, after: int = 0, limit: int | None = None) -> list[Person]:
-    """Return who has been let in, and the owner; not those whose games were imported.
+    """Return the people who have been let in, and the owner; not the players of imported games.
 
     Args:
         session: The transaction.

@@ -72,7 +72,7 @@ def add(
 
 
 def played(session: Session, run_id: str) -> set[EvaluationKey]:
-    """Return which games of a run have been played."""
+    """Return the keys of a run's played games."""
     query = select(EvaluationRow.policy, EvaluationRow.action_selection, EvaluationRow.start_number)
     rows = session.execute(query.where(EvaluationRow.run_id == run_id))
     return {EvaluationKey(*row) for row in rows}

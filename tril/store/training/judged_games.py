@@ -73,7 +73,7 @@ def judged_games(
 def _measure_of(
     check: CheckOutcome | None, games: Sequence[EvaluationRow]
 ) -> tuple[Measure, dict[int, float]]:
-    """Return what all games can be judged by, and what it is of the demonstrations, by id."""
+    """Return the measure that can judge all games, and its values for demonstrations, by id."""
     if check is None:
         return "predicted_return", {}
     if check.final_levels and all(game.final_level is not None for game in games):

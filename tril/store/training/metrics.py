@@ -94,9 +94,13 @@ def series(
     conditions = (MetricRow.run_id == run_id, MetricRow.id > after)
     last = session.scalar(select(func.max(MetricRow.id)).where(*conditions))
     curves_by_stage = Series()
-    for stage, chosen in _subsampled(session, conditions, most).items():
+    for stage, stage_conditions in _subsampled(session, conditions, most).items():
         by_name = curves_by_stage.setdefault(stage, {})
-        points = select(MetricRow.step, MetricRow.values).where(*chosen).order_by(MetricRow.step)
+        points = (
+            select(MetricRow.step, MetricRow.values)
+            .where(*stage_conditions)
+            .order_by(MetricRow.step)
+        )
         for step, values in session.execute(points):
             for name, value in values.items():
                 by_name.setdefault(name, []).append((step, value))

@@ -118,7 +118,7 @@ def queue_position(session: Session, row: RunRow) -> int | None:
 
 
 def not_resumable(session: Session, run_ids: Iterable[str]) -> list[str]:
-    """Return which of these runs are done or deleted and so can't be resumed."""
+    """Return those of these runs that can't be resumed: done or deleted ones."""
     query = select(RunRow.id).where(
         RunRow.id.in_(list(run_ids)),
         (RunRow.status == RunStatus.DONE) | RunRow.deleted_at.is_not(None),
