@@ -24,7 +24,7 @@ class LazyCommand(TyperCommand):
         """Keep where it is.
 
         Args:
-            name: Its name.
+            name: Name of the command.
             reference: Module and attribute, e.g. "cli.commands.up:up": a function or a Typer.
             summary: First line of its help.
         """

@@ -29,9 +29,9 @@ class ArchiveMaker:
     """Makes archives, one at a time, and keeps them in the cache; thread-safe.
 
     Args:
-        settings: Whose runs are exported.
+        settings: Settings of the server.
         cache: Where archives are kept.
-        timeout_s: How long one may take.
+        timeout_s: Timeout of an archive.
     """
 
     def __init__(self, settings: Settings, cache: Cache, timeout_s: float = TIMEOUT_S) -> None:

@@ -116,7 +116,7 @@ def run_server(settings: Settings, shares_port: bool = False) -> None:
     """Serve until a signal arrives.
 
     Args:
-        settings: What to serve and where.
+        settings: Settings of the server.
         shares_port: Whether other server processes may listen on the same port.
 
     Raises:

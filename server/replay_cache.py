@@ -50,7 +50,7 @@ class ReplayCache:
         self._lock = threading.Lock()
 
     def get(self, recording: Recording, task: ReplayTask) -> bytes:
-        """Return what a replay yields, replaying the recording unless the file is cached."""
+        """Return a product of a replay, replaying the recording unless the file is cached."""
 
         def replay() -> bytes:
             with self._lock:

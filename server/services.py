@@ -156,7 +156,7 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
         changes=ChangeStream(database, on_change),
         storage=StorageMeter(settings),
     )
-    last_seen = PeriodicTask("last seen", access.save_seen, SEEN_EVERY_S)
+    last_seen = PeriodicTask("last seen", access.save_last_use, SEEN_EVERY_S)
     heartbeat = Heartbeat(database, name, "server", limits.watched.details)
     try:
         await asyncio.to_thread(heartbeat.start)

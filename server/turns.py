@@ -18,7 +18,7 @@ class Turns:
     """Makes one file at a time; thread-safe.
 
     Args:
-        products: What is made, in the plural, for the message.
+        products: Name of the products in the plural, for the message.
         max_waiting: How many requests may wait before further ones are refused: each holds a
             thread of the server.
     """
@@ -57,9 +57,9 @@ def run_program(
 
     Args:
         command: The program with its arguments.
-        timeout_s: After which it is killed.
-        product: What the program makes, for the message.
-        request: Its standard input.
+        timeout_s: Timeout of the program.
+        product: Name of the product, for the message.
+        request: Standard input of the program.
         environ: Variables besides this process's.
 
     Raises:

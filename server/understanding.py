@@ -73,12 +73,12 @@ class OrderUnderstood:
     """What Tril understands of an order.
 
     Attributes:
-        state: How far it is.
+        state: State of the inference.
         progress: Share of what is done, 0 to 1; while it learns or watches.
         statements: The most probable first.
         is_sense: Whether the order is about something rather than drawn by chance; None before it
             is understood.
-        values: Of each game that was watched, in log odds, keyed by the recording's id.
+        values: Value of each watched game, in log odds, keyed by recording id.
         contradiction: The games that contradict most, if any do.
     """
 
@@ -121,13 +121,13 @@ class OrderReader:
         answers: Sequence[Answer],
         recordings_of: RecordingsOf,
     ) -> OrderUnderstood:
-        """Return what is understood of an order.
+        """Infer the statements that an order is about.
 
         Args:
             game: The game, as its behaviour sets it.
             tiers: The order.
             best: Ids of the best efforts, ranked or not.
-            answers: What a person said of statements, the latest last.
+            answers: Answers about statements, the latest last.
             recordings_of: Called in another thread.
 
         Raises:
@@ -224,7 +224,7 @@ def strongest_contradiction(order: Order, values: Mapping[int, float]) -> Contra
 
     Args:
         order: Ids of games in tiers, the best first.
-        values: Their values in log odds.
+        values: Values of the games, in log odds.
     """
     largest_gap, pair = LEAST_CONTRADICTION, None
     lowest_above: int | None = None

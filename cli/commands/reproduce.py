@@ -39,7 +39,7 @@ SCORE_ALONE = (
     " and --page-only."
 )
 
-_BEHAVIOURS = {one.slug: one for one in published()}
+_BEHAVIOURS = {behaviour.slug: behaviour for behaviour in published()}
 
 
 def reproduce(

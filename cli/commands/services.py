@@ -197,7 +197,7 @@ def ask_server(settings: Settings, timeout_s: float = 3.0) -> None:
 
 
 def _opener() -> urllib.request.OpenerDirector:
-    """Return what asks a server of this machine, by no proxy, whatever name its certificate has."""
+    """Return an opener for a server of this machine, without proxy or certificate check."""
     context = ssl.create_default_context()
     context.check_hostname = False
     context.verify_mode = ssl.CERT_NONE

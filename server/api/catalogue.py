@@ -68,7 +68,7 @@ def get_title(session: ReadSession, identity: Who, name: str) -> TaughtGame:
 
     A participant gets the games of the behaviours that they play.
     """
-    _refuse_title_of_others(session, identity, name)
+    _refuse_foreign_title(session, identity, name)
     return game_view(name)
 
 
@@ -118,7 +118,7 @@ def get_title_picture(request: Request, session: ReadSession, identity: Who, nam
 
     A participant gets those of the behaviours that they play.
     """
-    _refuse_title_of_others(session, identity, name)
+    _refuse_foreign_title(session, identity, name)
     content = drawn_picture(name)
     if content is None:
         played = sample(game_named(name))
@@ -126,10 +126,10 @@ def get_title_picture(request: Request, session: ReadSession, identity: Who, nam
     return Response(content, media_type="image/png", headers={"Cache-Control": _IMMUTABLE})
 
 
-def _refuse_title_of_others(session: Session, identity: Identity, name: str) -> None:
-    """Raise UnknownGame unless a participant plays a game.
+def _refuse_foreign_title(session: Session, identity: Identity, name: str) -> None:
+    """Raise UnknownGame for a game that a participant does not play.
 
-    Whoever names any game lets the server import and play environments, for seconds each.
+    A request for an unknown game makes the server import and play environments, for seconds each.
     """
     if not identity.is_participant:
         return

@@ -27,11 +27,11 @@ router = APIRouter(tags=["events"])
     },
 )
 async def stream_events(request: Request, identity: Who) -> StreamingResponse:
-    """Stream changes from now on, until who listens is signed out or may do something else."""
+    """Stream changes until the listener is signed out or has other rights."""
     services = services_of(request)
     services.access.refuse_too_many_open(identity)
 
-    async def of_participant(changes: Collection[Change]) -> Collection[Change]:
+    async def visible_changes(changes: Collection[Change]) -> Collection[Change]:
         played = [int(key) for topic, key in changes if topic == "recording"]
         own_changes = {("player", str(identity.player_id))}
         own_changes |= {
@@ -50,9 +50,9 @@ async def stream_events(request: Request, identity: Who) -> StreamingResponse:
 
     return StreamingResponse(
         services.changes.stream(
-            of_participant if identity.is_participant else None,
+            visible_changes if identity.is_participant else None,
             # A page listens again at once, with the rights that it has then.
-            lambda end: services.access.while_open(identity, lambda _may_return: end()),
+            lambda end: services.access.watch_rights(identity, lambda _may_return: end()),
         ),
         media_type="text/event-stream",
         headers={"Cache-Control": "no-store", "X-Accel-Buffering": "no"},

@@ -8,7 +8,7 @@ from fastapi import APIRouter, Request
 from server.api.schemas.games import Game, GameFrom, GameNew
 from server.dependencies import GameId, ReadSession, RecordingId, Who, WriteSession, services_of
 from server.play.conditions import PlayConditions
-from server.web.permissions import refuse_behaviour_of_others
+from server.web.permissions import refuse_foreign_behaviour
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril.games import game_of
 from tril.games.base import draw_start
@@ -21,7 +21,7 @@ router = APIRouter(prefix="/games", tags=["games"])
 @router.post("", status_code=201, responses=NOT_FOUND | CONFLICT)
 def create_game(request: Request, session: WriteSession, identity: Who, new: GameNew) -> Game:
     """Create a game, which begins when a player joins its stream. 503 if too many are open."""
-    refuse_behaviour_of_others(identity, new.behaviour_id)
+    refuse_foreign_behaviour(identity, new.behaviour_id)
     services_of(request).limits.check(session, identity.player_id)
     behaviour = behaviours.as_behaviour(behaviours.get(session, new.behaviour_id))
     starts = game_of(behaviour).starts

@@ -47,7 +47,7 @@ class _Source:
     Attributes:
         recording: The recording.
         cache: Replays it.
-        cache_control: How long a browser may keep the answer.
+        cache_control: Cache-Control header of the response.
     """
 
     recording: Recording
@@ -82,7 +82,7 @@ Source = Annotated[_Source, Depends(_source)]
 
 
 def _file_route(*media_types: str, **extra_content: Any) -> dict[str, Any]:
-    """Return what the routes of a recording's files have in common."""
+    """Return the common arguments of the routes of a recording's files."""
     file = {"content": {media_type: {} for media_type in media_types}, **extra_content}
     return {
         "response_class": Response,

@@ -25,8 +25,8 @@ class ClipMaker:
     """Makes one clip at a time; thread-safe.
 
     Args:
-        timeout_s: How long a clip may take.
-        max_waiting: How many requests may wait before further ones are refused.
+        timeout_s: Timeout of a clip.
+        max_waiting: Most waiting requests; further ones are refused.
     """
 
     def __init__(self, timeout_s: float = TIMEOUT_S, max_waiting: int = MAX_WAITING) -> None:

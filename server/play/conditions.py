@@ -54,10 +54,10 @@ class BegunBy(BaseModel):
     """The policy that played the first frames of a game, before a person took over.
 
     Attributes:
-        run_id: Its run.
+        run_id: Run of the policy.
         policy: "imitator" or "clone".
-        action_selection: How its actions were selected.
-        frames: How many frames it played, those of an opening included.
+        action_selection: Action selection of the policy.
+        frames: Number of frames that the policy played, including an opening.
     """
 
     model_config = ConfigDict(extra="forbid")

@@ -77,7 +77,7 @@ class Access:
         return is_token(self._token_file, token)
 
     async def identify(self, connection: HTTPConnection) -> Identity | None:
-        """Return who makes a request; None if nobody is signed in."""
+        """Return the identity of a request; None if nobody is signed in."""
         scheme, _, key = connection.headers.get("authorization", "").partition(" ")
         is_key = scheme.lower() == "bearer"
         credential = key.strip() if is_key else connection.cookies.get(self.cookie_name, "")
@@ -111,13 +111,13 @@ class Access:
         self._remembered.clear()
         self._n_forgotten += 1
         if self._open:
-            check = asyncio.get_running_loop().create_task(self._end_changed())
+            check = asyncio.get_running_loop().create_task(self._end_revoked())
             self._checks.add(check)
             check.add_done_callback(self._checks.discard)
 
     @contextmanager
-    def while_open(self, identity: Identity, end: End) -> Iterator[None]:
-        """Have ``end`` called, in the event loop, if somebody's rights change within the block."""
+    def watch_rights(self, identity: Identity, end: End) -> Iterator[None]:
+        """Call ``end`` in the event loop if the identity's rights change within the block."""
         ends = self._open[identity.secret_hash]
         ends.add((identity, end))
         self._n_open[identity.player_id] += 1
@@ -156,21 +156,21 @@ class Access:
                 self._remembered.popitem(last=False)
         return identity
 
-    async def _end_changed(self) -> None:
+    async def _end_revoked(self) -> None:
         for secret_hash in list(self._open):
             current = await self._look_up(secret_hash)
             for identity, end in list(self._open.get(secret_hash, ())):
                 if current != identity:
                     end(current is not None)
 
-    async def save_seen(self) -> None:
-        """Save that browsers and keys were used since the last time."""
+    async def save_last_use(self) -> None:
+        """Save which browsers and keys were used since the last call."""
         credential_ids, self._seen = self._seen, set()
         if not credential_ids:
             return
 
         def save() -> None:
             with self._database.writing() as session:
-                credentials.note_seen(session, credential_ids)
+                credentials.note_use(session, credential_ids)
 
         await asyncio.to_thread(save)

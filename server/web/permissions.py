@@ -324,7 +324,7 @@ async def check_permission(connection: HTTPConnection) -> None:
     """Let a request pass if its maker's role allows it; a dependency of every route.
 
     Raises:
-        Forbidden: Their role may not do this.
+        Forbidden: The identity's role does not allow the request.
         NotFound: It is another person's, which looks as if it did not exist.
     """
     need = NEEDS[connection.scope["endpoint"].__name__]
@@ -352,8 +352,8 @@ async def check_permission(connection: HTTPConnection) -> None:
     raise refusal
 
 
-def refuse_behaviour_of_others(identity: Identity, behaviour_id: int) -> None:
-    """Raise NotFound if somebody may not play a behaviour, which a request's body names."""
+def refuse_foreign_behaviour(identity: Identity, behaviour_id: int) -> None:
+    """Raise NotFound if an identity may not play the behaviour of a request's body."""
     if identity.is_participant and behaviour_id not in identity.behaviour_ids:
         raise NotFound(_NOT_YOURS[Need.OWN_BEHAVIOUR])
 

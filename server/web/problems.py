@@ -93,7 +93,7 @@ def _printable_errors(errors: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def explain_database_error(error: DBAPIError) -> Unavailable | None:
-    """Return what the user can do about a database error, None if that is unknown."""
+    """Return the user's remedy for a database error, None if it is unknown."""
     text = str(error.orig).lower()
     if "disk is full" in text or "no space left" in text:
         return Unavailable(DISK_FULL)
@@ -153,7 +153,7 @@ async def _on_http_exception(_request: Request, error: Exception) -> Response:
 async def _on_validation_error(_request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
     errors: list[dict[str, Any]] = [
-        {"where": [str(part) for part in item["loc"]], "what": in_plain_words(item)}
+        {"where": [str(part) for part in item["loc"]], "what": validation_message(item)}
         for item in islice(error.errors(), MAX_ERRORS)
     ]
     detail = errors[0]["what"] if errors else "The request can't be read."
@@ -190,8 +190,8 @@ _WRONG: Mapping[str, str] = {
 """What is wrong, by Pydantic's kind of error."""
 
 
-def in_plain_words(error: Mapping[str, Any]) -> str:
-    """Say what is wrong with a value that Pydantic refuses: "Name is missing."."""
+def validation_message(error: Mapping[str, Any]) -> str:
+    """Describe a Pydantic error in plain words: "Name is missing."."""
     if error["type"] == "json_invalid":
         return "The request is not valid JSON."
     names = [part for part in error["loc"][1:] if isinstance(part, str)]

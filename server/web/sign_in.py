@@ -42,7 +42,7 @@ async def sign_in(request: Request, pages: SmallPages) -> Response:
         return pages.key_page(pages.texts.wrong_key, pages.texts.wrong_key_why)
     identity = await services.access.identify(request)
     if identity is not None and identity.role is Role.OWNER:
-        return _to_the_page()
+        return _redirect()
     browser = _browser_of(request)
 
     def add() -> str:
@@ -120,7 +120,7 @@ async def _ask_for_name(
 
 def _with_cookie(request: Request, secret: str, path: str = "/") -> Response:
     access = services_of(request).access
-    answer = _to_the_page(path)
+    answer = _redirect(path)
     answer.set_cookie(
         access.cookie_name,
         access.secrets.signed(secret),
@@ -133,7 +133,7 @@ def _with_cookie(request: Request, secret: str, path: str = "/") -> Response:
     return answer
 
 
-def _to_the_page(path: str = "/") -> Response:
+def _redirect(path: str = "/") -> Response:
     return Response(status_code=303, headers={"Location": path, "Cache-Control": "no-store"})
 
 

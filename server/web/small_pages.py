@@ -147,7 +147,7 @@ class SmallPages:
         stylesheets: Paths of the page's own stylesheets.
 
     Attributes:
-        texts: What they say.
+        texts: Texts of the pages.
     """
 
     def __init__(self, request: Request, stylesheets: Collection[str]) -> None:
@@ -175,10 +175,10 @@ class SmallPages:
 
         Args:
             path: Where the name is sent to.
-            invitation: What the link contains.
-            behaviour: What they are to play; None for a researcher.
-            player: Who is signed in with this browser; None for nobody.
-            wrong: What is wrong with the name that was given before, as HTML; None if none was.
+            invitation: Signed secret of the invitation.
+            behaviour: Behaviour of the invitation; None for a researcher.
+            player: Player signed in with this browser; None for nobody.
+            wrong: Error of the name entered before, as HTML; None if there is none.
         """
         texts = self.texts
         invited = texts.invited_researcher

@@ -16,9 +16,9 @@ class Lane:
     """One of the games that are watched side by side.
 
     Args:
-        number: Its place, from 0.
+        number: Number of the lane, from 0.
         game: The game.
-        behaviour: What its policy has been taught.
+        behaviour: Behaviour that the policy was taught.
         socket: The page's socket.
     """
 

@@ -47,7 +47,7 @@ class WatchRequest:
 
     Attributes:
         run_id: The run whose policies play.
-        actors: Who plays, one game each, side by side.
+        actors: Actors of the games, one each, side by side.
         start_number: The evaluation start; None for one that is drawn.
         draw: Seeds the start and its opening if they are drawn.
         take: 0 plays the games of the run's evaluation; others draw sampled and repeated actions

@@ -64,17 +64,17 @@ class WatchSession:
 
     Args:
         lanes: The games, all at the same frame.
-        start_number: Their evaluation start, if they have one.
+        start_number: Evaluation start of the games, if they have one.
         socket: The page's socket.
         connect: Connects to the run's networks. Actions, rewards and attention maps have a
             connection each, so that no action waits for the others.
-        resources: What all games of the process share; frames' lateness among it.
-        events: What it reports to.
+        resources: Resources shared by all games of the process, frames' lateness among them.
+        events: Receiver of the session's events.
 
     Attributes:
         phase: The current phase: WAITING while paused, PLAYING or ENDED.
         waiting_since: When the current phase began, by the event loop's clock.
-        speed_percent: Of 60 frames a second.
+        speed_percent: Speed in percent of 60 frames a second.
     """
 
     def __init__(
@@ -189,7 +189,7 @@ class WatchSession:
         Raises:
             TrilError: There are no decisions to go on with.
         """
-        await self._decided()
+        await self._await_decisions()
         frame_rate_hz = self.lanes[0].game.episode.game.clock.frame_rate_hz
         clock = FrameClock("watched", frame_rate_hz, self._resources.lateness)
         while not self._activity.stop_requested.is_set():
@@ -201,7 +201,7 @@ class WatchSession:
             await self._tick()
             if not self._in_play or (one_step and self._in_play[0].game.at_boundary):
                 break
-            await clock.wait(self.speed_percent, self._decided)
+            await clock.wait(self.speed_percent, self._await_decisions)
         return ""
 
     async def _tick(self) -> None:
@@ -218,11 +218,11 @@ class WatchSession:
         if any(lane.game.needs_action for lane in self.lanes):
             self._ask()
 
-    async def _decided(self) -> None:
-        """Wait until the next frame's actions are decided, or the games are to stop.
+    async def _await_decisions(self) -> None:
+        """Wait for the decisions of the next frame's actions, or for the games to stop.
 
         Raises:
-            TrilError: They can't be decided, or time jumped meanwhile.
+            TrilError: No decision is possible, or time jumped meanwhile.
         """
         if not any(lane.game.needs_action for lane in self.lanes):
             return

@@ -29,7 +29,7 @@ def greeting(behaviour: Behaviour, episode: Episode, epoch: int, speed_percent: 
 
 
 def overlay_layout(game: Game) -> OverlayLayout | None:
-    """Return what the page may draw over the screens of a game."""
+    """Return the layout of the page's overlay for a game."""
     if game.overlay is None:
         return None
     return OverlayLayout(painter=game.overlay.painter, geometry=dict(game.overlay.geometry))
@@ -57,9 +57,9 @@ def outcome(
     """Return the last message of a game.
 
     Args:
-        behaviour: What was to be demonstrated.
+        behaviour: Behaviour to demonstrate.
         episode: The game.
-        recording_id: Its recording.
+        recording_id: Recording of the game.
         refusal: Why the recording does not replay; None if it does.
     """
     result = score(behaviour, _cells(episode))

@@ -78,7 +78,7 @@ def secret_from(secret: str, key: str) -> str:
 
 
 def hash_of(secret: str) -> str:
-    """Return what is stored of a secret; it is random, so it needs no slow hash."""
+    """Return the stored hash of a secret; it is random, so it needs no slow hash."""
     return hashlib.sha256(secret.encode()).hexdigest()
 
 
@@ -204,8 +204,8 @@ def sign_out_all_browsers(session: Session, by_player_id: int | None = None) -> 
     return len(rows)
 
 
-def note_seen(session: Session, credential_ids: Collection[int]) -> None:
-    """Note that credentials were used just now."""
+def note_use(session: Session, credential_ids: Collection[int]) -> None:
+    """Note the current time as the last use of credentials."""
     query = update(CredentialRow).where(CredentialRow.id.in_(credential_ids))
     session.execute(query.values(seen_at=now()))
 
