@@ -75,7 +75,7 @@ def create_behaviour(session: WriteSession, new: BehaviourNew) -> Behaviour:
         settings=GameSettings.from_json(new.settings.model_dump()),
         measures=measures_of(new.measures),
     )
-    return _one(session, row)
+    return _with_counts(session, row)
 
 
 @router.get("/{behaviour_id}/checklist", responses=NOT_FOUND)
@@ -106,7 +106,7 @@ def get_checklist(session: ReadSession, identity: Who, behaviour_id: BehaviourId
 @router.get("/{behaviour_id}", responses=NOT_FOUND)
 def get_behaviour(session: ReadSession, identity: Who, behaviour_id: BehaviourId) -> Behaviour:
     """Return one behaviour."""
-    return for_reader(identity, _one(session, behaviours.get(session, behaviour_id)))
+    return for_reader(identity, _with_counts(session, behaviours.get(session, behaviour_id)))
 
 
 @router.patch("/{behaviour_id}", responses=NOT_FOUND | CONFLICT)
@@ -130,7 +130,7 @@ def update_behaviour(
         else GameSettings.from_json(update.settings.model_dump()),
         measures=None if update.measures is None else measures_of(update.measures),
     )
-    return _one(session, row)
+    return _with_counts(session, row)
 
 
 @router.delete("/{behaviour_id}", status_code=204, responses=NOT_FOUND | CONFLICT)
@@ -142,7 +142,7 @@ def delete_behaviour(session: WriteSession, identity: Who, behaviour_id: Behavio
 @router.post("/{behaviour_id}/restore", responses=NOT_FOUND | CONFLICT)
 def restore_behaviour(session: WriteSession, identity: Who, behaviour_id: BehaviourId) -> Behaviour:
     """Restore a deleted behaviour, with everything it had."""
-    return _one(session, behaviours.restore(session, behaviour_id, identity.player_id))
+    return _with_counts(session, behaviours.restore(session, behaviour_id, identity.player_id))
 
 
 def _played(entry: library.Entry) -> GameOutcome:
@@ -153,7 +153,7 @@ def _played(entry: library.Entry) -> GameOutcome:
     )
 
 
-def _one(session: Session, row: BehaviourRow) -> Behaviour:
+def _with_counts(session: Session, row: BehaviourRow) -> Behaviour:
     return _view(row, behaviours.counts(session, row.id))
 
 

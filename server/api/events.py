@@ -40,7 +40,7 @@ async def stream_events(request: Request, identity: Who) -> StreamingResponse:
             for key in identity.behaviour_ids
         }
         if played:
-            ids = await services.access.ask(
+            ids = await services.access.query(
                 lambda session: recordings.own_ids(
                     session, identity.player_id, identity.behaviour_ids, played
                 )

@@ -90,8 +90,8 @@ class Access:
         self._seen.add(identity.credential_id)
         return identity
 
-    async def ask(self, question: Callable[[Session], Answer]) -> Answer:
-        """Answer a short question about access from the database.
+    async def query(self, read_answer: Callable[[Session], Answer]) -> Answer:
+        """Run a short query about access on the database.
 
         Raises:
             Unavailable: The database can't be read; says what to do.
@@ -100,7 +100,7 @@ class Access:
         def read() -> Answer:
             try:
                 with self._database.reading() as session:
-                    return question(session)
+                    return read_answer(session)
             except DBAPIError as error:
                 raise explain_database_error(error) or error from error
 
@@ -149,7 +149,7 @@ class Access:
 
     async def _look_up(self, secret_hash: str) -> Identity | None:
         n_forgotten = self._n_forgotten
-        identity = await self.ask(lambda session: credentials.find(session, secret_hash))
+        identity = await self.query(lambda session: credentials.find(session, secret_hash))
         if identity is not None and n_forgotten == self._n_forgotten:
             self._remembered[secret_hash] = (time.monotonic() + REMEMBERED_FOR_S, identity)
             while len(self._remembered) > MAX_REMEMBERED:

@@ -392,9 +392,9 @@ async def _is_own(connection: HTTPConnection, need: Need, identity: Identity) ->
     key = str(connection.path_params[name])
     access = services_of(connection).access
     if need is Need.OWN_GAME:
-        owner = await access.ask(lambda session: games.player_of(session, key))
+        owner = await access.query(lambda session: games.player_of(session, key))
     elif key.isdecimal() and len(key) < 10:
-        owner = await access.ask(lambda session: recordings.player_of(session, int(key)))
+        owner = await access.query(lambda session: recordings.player_of(session, int(key)))
     else:
         return False
     if owner is None:

@@ -64,14 +64,14 @@ class LabelledGame:
     """A game with the expert's action in each of its states.
 
     Attributes:
-        seen: The observations and their *labels*, not the actions taken.
+        trajectory: Observations and their *labels*, not the actions taken.
         executed: The action of every frame, one byte each.
         start: Start of the game.
         agreed: Share of the states in which the policy's likeliest action is the label, 0 to 1;
             None where no policy played.
     """
 
-    seen: Trajectory
+    trajectory: Trajectory
     executed: bytes
     start: Start
     agreed: float | None
@@ -187,7 +187,7 @@ class _Training:
     @property
     def _steps(self) -> int:
         """Steps played."""
-        return sum(game.seen.n_steps for game in self._games)
+        return sum(game.trajectory.n_steps for game in self._games)
 
     @property
     def _learned_steps(self) -> int:
@@ -239,7 +239,7 @@ class _Training:
             self._report_steps(steps)
 
         policy, result = train_clone(
-            [game.seen for game in self._games],
+            [game.trajectory for game in self._games],
             self._task.game.controls.n_actions,
             replace(
                 recipe.cloning,
@@ -271,7 +271,7 @@ class _Training:
         self._progress.advance(min(self._steps, self._task.steps), self._task.steps, values)
 
     def _game_metrics(self, game: LabelledGame) -> dict[str, float]:
-        trajectory = game.seen
+        trajectory = game.trajectory
         rewards = self._task.model.score(trajectory.observations[1:])
         values = {"predicted_return": float(rewards.sum(dtype=np.float64))}
         died = trajectory.end in DEATHS
@@ -332,7 +332,7 @@ def _to_dict(game: LabelledGame) -> dict[str, Any]:
     return {
         "start": asdict(game.start),
         "executed": base64.b64encode(game.executed).decode(),
-        "labels": base64.b64encode(bytes(game.seen.actions.tolist())).decode(),
+        "labels": base64.b64encode(bytes(game.trajectory.actions.tolist())).decode(),
         "agreed": game.agreed,
     }
 

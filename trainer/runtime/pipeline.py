@@ -195,7 +195,7 @@ class Pipeline:
                 return result
         if any(stage not in context.run.finished_stages for stage in stages):
             # The queue remembers a stage as done that the row does not: the row is the truth.
-            return self._leave(context.lease, leases.release, GIVEN_BACK)
+            return self._write_result(context.lease, leases.release, GIVEN_BACK)
         return self._end(context.lease, RunStatus.DONE)
 
     @contextmanager
@@ -238,7 +238,7 @@ class Pipeline:
             return LEASE_LOST
         except WorkerStopping:
             self._copy_checkpoints(run_id)
-            return self._leave(lease, leases.release, GIVEN_BACK)
+            return self._write_result(lease, leases.release, GIVEN_BACK)
         except RunCancelled:
             self._copy_checkpoints(run_id)
             return self._end(lease, RunStatus.CANCELLED)
@@ -248,7 +248,7 @@ class Pipeline:
             if isinstance(problem, DBAPIError) and (is_unreachable(problem) or is_busy(problem)):
                 # Nothing is wrong with the run. If it can't be given back, its lease is revoked.
                 log.warning("Run %s: the database can't be written: %s", run_id, problem.orig)
-                return self._leave(lease, leases.release, GIVEN_BACK)
+                return self._write_result(lease, leases.release, GIVEN_BACK)
             if (repaired := self._repair(data, stage, problem)) is not None:
                 return repaired
             # The one catch-all: the person is told and the worker lives on.
@@ -298,7 +298,7 @@ class Pipeline:
             leases.reopen_stages(session, lease, stages[stages.index(again) :])
             leases.release(session, lease, message)
 
-        return self._leave(context.lease, write, GIVEN_BACK)
+        return self._write_result(context.lease, write, GIVEN_BACK)
 
     def _fetch_checkpoints(self, run_id: str) -> None:
         if self._copies_checkpoints:
@@ -326,12 +326,16 @@ class Pipeline:
         """Give a run back to the queue, from which it is taken up when the store can be used."""
         log.warning("Run %s: %s", lease.run_id, problem)
         write = partial(leases.release, message=store_unavailable_message(problem))
-        return self._leave(lease, write, GIVEN_BACK)
+        return self._write_result(lease, write, GIVEN_BACK)
 
     def _end(self, lease: Lease, status: RunStatus, message: str = "") -> str:
-        return self._leave(lease, partial(leases.end, status=status, message=message), status)
+        return self._write_result(
+            lease, partial(leases.end, status=status, message=message), status
+        )
 
-    def _leave(self, lease: Lease, write: Callable[[Session, Lease], None], result: str) -> str:
+    def _write_result(
+        self, lease: Lease, write: Callable[[Session, Lease], None], result: str
+    ) -> str:
         try:
             with self._database.writing() as session:
                 write(session, lease)

@@ -161,8 +161,8 @@ def beat(
     row.machine, row.pid, row.started = identity.machine, identity.pid, identity.started
 
 
-def say(session: Session, name: str, details: dict[str, Any]) -> None:
-    """Write what a process says about itself before its next heartbeat, without telling pages."""
+def report_details(session: Session, name: str, details: dict[str, Any]) -> None:
+    """Write a process's details before its next heartbeat, without notifying pages."""
     session.execute(update(ProcessRow).where(ProcessRow.name == name).values(details=details))
 
 

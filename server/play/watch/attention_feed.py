@@ -74,7 +74,7 @@ class AttentionFeed:
                     _LOG.info("No attention maps are shown: %s", error)
                     return
                 shown_frames[lane.number] = frame
-                await self._socket.say(_message(lane.number, frame, attention))
+                await self._socket.send_message(_message(lane.number, frame, attention))
                 await asyncio.sleep(REST_S)
             await asyncio.sleep(REST_S)
 

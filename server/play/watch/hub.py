@@ -199,7 +199,7 @@ class WatchHub:
             # The games have their slots already.
             self._limits.check(session, player_id, n_new=0)
             # At once, so that no process gives them away before the next heartbeat.
-            processes.say(session, watched.process, watched.details())
+            processes.report_details(session, watched.process, watched.details())
 
         try:
             await self._committer.run(check)

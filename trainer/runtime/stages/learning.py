@@ -69,14 +69,14 @@ def check_reward(data: RunData, progress: Progress) -> RunOutcome:
         "final_levels": {ranked[i]: value for i, value in check.final_levels.items()},
         "advice": advice(check, aliens_alone=aliens_alone),
         "warning": warning(check),
-        "wanted": _wanted(data) if inferred else None,
+        "wanted": _wanted_aliens(data) if inferred else None,
         "statements": _statements(data) if method == "statement" else [],
         "answers": data.snapshot.answers if method == "statement" else [],
     }
     return RunOutcome(check=CheckOutcome.model_validate(values))
 
 
-def _wanted(data: RunData) -> WantedAliens:
+def _wanted_aliens(data: RunData) -> WantedAliens:
     labels, order = labels_of(data.reward_model.network)
     return WantedAliens.of(labels.tolist(), order.tolist())
 
