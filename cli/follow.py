@@ -137,13 +137,13 @@ def follow(workspace: Workspace, run_id: str, worker: StandbyWorker) -> RunRow:
         _EtaColumn(),
     )
     with Progress(*columns, console=console) as progress:
-        whole = progress.add_task("the whole run", total=1.0)
+        run_task = progress.add_task("the whole run", total=1.0)
         stage_tasks: dict[str, TaskID] = {}
         while True:
             with workspace.database.reading() as session:
                 row = runs.get(session, run_id)
-                done = overall_progress(session, row)
-            progress.update(whole, completed=done, remaining_s=row.remaining_s)
+                progress_share = overall_progress(session, row)
+            progress.update(run_task, completed=progress_share, remaining_s=row.remaining_s)
             if row.stage:
                 for name, task in stage_tasks.items():
                     if name != row.stage:
@@ -174,8 +174,8 @@ def follow_to_end(workspace: Workspace, run_id: str) -> RunRow:
 
 def duration(seconds: float) -> str:
     """Format a duration, e.g. "2 min 5 s"."""
-    minutes, rest = divmod(round(seconds), 60)
+    minutes, seconds_left = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     if hours:
         return f"{hours} h {minutes} min"
-    return f"{minutes} min {rest} s" if minutes else f"{rest} s"
+    return f"{minutes} min {seconds_left} s" if minutes else f"{seconds_left} s"

@@ -104,14 +104,14 @@ class _NoRedirects(urllib.request.HTTPRedirectHandler):
 
 
 def _opener(url: str) -> urllib.request.OpenerDirector:
-    """Return what asks a server: by the environment's proxy only if that is another machine."""
+    """Return an opener for a server, by the environment's proxy only if that is another machine."""
     is_here = is_loopback(urlsplit(url).hostname or "")
     proxies = urllib.request.ProxyHandler({} if is_here else None)
     return urllib.request.build_opener(proxies, _NoRedirects)
 
 
 def _ask(url: str, key: str) -> dict[str, str]:
-    """Return what the server says of where the data is."""
+    """Ask the server for the addresses of the data."""
     body = json.dumps({"version": __version__, "revision": schema_revision()}).encode()
     headers = {"Authorization": f"Bearer {key}", "Content-Type": "application/json"}
     request = urllib.request.Request(url, body, headers, method="POST")
@@ -137,9 +137,9 @@ def _ask(url: str, key: str) -> dict[str, str]:
 
 def _refusal(url: str, error: urllib.error.HTTPError) -> Exception:
     try:
-        said = str(json.loads(error.read(MAX_ANSWER_BYTES))["detail"])
+        detail = str(json.loads(error.read(MAX_ANSWER_BYTES))["detail"])
     except (ValueError, KeyError, TypeError, OSError):
-        said = ""
+        detail = ""
     if error.code == HTTPStatus.UNAUTHORIZED:
         return Forbidden(
             "The server does not know this key; it may have been revoked. Make another one on the"
@@ -147,12 +147,12 @@ def _refusal(url: str, error: urllib.error.HTTPError) -> Exception:
         )
     if error.code in {HTTPStatus.NOT_FOUND, HTTPStatus.METHOD_NOT_ALLOWED} or error.code < 400:
         where = error.headers.get("Location")
-        more = f" It sends to {where}: join that address." if where else ""
+        hint = f" It sends to {where}: join that address." if where else ""
         return Unavailable(
-            f"What answers at {url} is no server of this version ({__version__}) of Tril.{more}"
+            f"What answers at {url} is no server of this version ({__version__}) of Tril.{hint}"
         )
-    if said:
-        return Unavailable(f"The server refuses: {said}")
+    if detail:
+        return Unavailable(f"The server refuses: {detail}")
     return Unavailable(f"The server at {url} answers with status {error.code}; its log says more.")
 
 
@@ -164,9 +164,9 @@ def _check_database(settings: Settings, key: str) -> None:
             secret = key.partition(".")[0]
             if credentials.find(session, credentials.hash_of(secret)) is None:
                 raise Unavailable(
-                    f"What answers at {_shown(settings.application_url)} is another database: it"
-                    " does not know the key. That address may mean another machine here than it"
-                    " does on the server; set TRIL_DATABASE_URL."
+                    f"What answers at {_without_password(settings.application_url)} is another"
+                    " database: it does not know the key. That address may mean another machine"
+                    " here than it does on the server; set TRIL_DATABASE_URL."
                 )
     with _opened(settings.queue_url, "TRIL_JOBS_DATABASE_URL"):
         pass
@@ -186,17 +186,17 @@ def _opened(url: str, setting: str) -> Iterator[Database]:
             database.engine.connect().close()
         except OperationalError as error:
             raise Unavailable(
-                f"The server keeps its data in {_shown(url)}, which this machine does not reach:"
-                f" {str(error.orig).strip()}. Let the server's {setting} name a host that others"
-                " reach, and the password; or set it here, where this machine reaches it by"
-                " another name or password."
+                f"The server keeps its data in {_without_password(url)}, which this machine does"
+                f" not reach: {str(error.orig).strip()}. Let the server's {setting} name a host"
+                " that others reach, and the password; or set it here, where this machine reaches"
+                " it by another name or password."
             ) from error
         yield database
     finally:
         database.close()
 
 
-def _shown(url: str) -> str:
+def _without_password(url: str) -> str:
     return make_url(url).render_as_string(hide_password=True)
 
 

@@ -24,7 +24,7 @@ class LazyCommand(TyperCommand):
         """Keep where it is.
 
         Args:
-            name: Its name.
+            name: Name of the command.
             reference: Module and attribute, e.g. "cli.commands.up:up": a function or a Typer.
             summary: First line of its help.
         """
@@ -42,8 +42,8 @@ class LazyCommand(TyperCommand):
         try:
             target = getattr(import_module(module), attribute)
         except (MemoryError, ImportError) as error:
-            said = str(error).lower()
-            if isinstance(error, ImportError) and not any(words in said for words in _NO_ROOM):
+            message = str(error).lower()
+            if isinstance(error, ImportError) and not any(words in message for words in _NO_ROOM):
                 raise
             errors.print(NO_MEMORY)
             raise typer.Exit(1) from error
@@ -66,13 +66,13 @@ def lazy_group(commands: Mapping[str, tuple[str, str]]) -> type[TyperGroup]:
     Args:
         commands: Reference and summary of each, by name, in the order of the help.
     """
-    known = {name: LazyCommand(name, *rest) for name, rest in commands.items()}
+    lazy_commands = {name: LazyCommand(name, *target) for name, target in commands.items()}
 
     class LazyGroup(TyperGroup):
         def list_commands(self, ctx: Any) -> list[str]:
-            return list(known)
+            return list(lazy_commands)
 
         def get_command(self, ctx: Any, cmd_name: str) -> Any:
-            return known.get(cmd_name)
+            return lazy_commands.get(cmd_name)
 
     return LazyGroup

@@ -97,8 +97,9 @@ def read_settings() -> Settings:
         settings = Settings()
     except ValidationError as error:
         wrong = "; ".join(
-            f"TRIL_{'_'.join(map(str, one['loc'])).upper()}={one['input']}: {one['msg']}"
-            for one in error.errors()
+            f"TRIL_{'_'.join(map(str, problem['loc'])).upper()}={problem['input']}:"
+            f" {problem['msg']}"
+            for problem in error.errors()
         )
         raise Invalid(f"Invalid settings in the environment or .env: {wrong}.") from error
     except (OSError, UnicodeDecodeError) as error:

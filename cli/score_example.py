@@ -41,19 +41,19 @@ def score_example(workspace: Workspace, game: Game, n_games: int, seed: int) -> 
     """
     name = f"{game.title} by score ({n_games} games, seed {seed})"
     with workspace.database.reading() as session:
-        known = {row.name: row for row in behaviours.listing(session) if row.game == game.name}
-        if name in known:
-            return known[name].slug
+        rows = {row.name: row for row in behaviours.listing(session) if row.game == game.name}
+        if name in rows:
+            return rows[name].slug
     games = _play(game, n_games, seed)
     games.sort(key=lambda played: played.replay.score, reverse=True)
     scores = [played.replay.score for played in games]
     if scores[0] == scores[-1]:
         raise Invalid(
-            f"{how_played(game, n_games)} all have the score {scores[0]:g}, so that none can be"
+            f"{describe_games(game, n_games)} all have the score {scores[0]:g}, so that none can be"
             f" ranked above another. Play {game.title} yourself or import games of others (tril"
             " recordings import), rank them, and train on that (tril train)."
         )
-    description = f"{how_played(game, n_games)}, ranked by the game's own score."
+    description = f"{describe_games(game, n_games)}, ranked by the game's own score."
     with workspace.database.writing() as session:
         row = behaviours.create(session, name, description, game=game.name)
         tiers: list[list[int]] = []
@@ -74,8 +74,8 @@ def score_example(workspace: Workspace, game: Game, n_games: int, seed: int) -> 
         return row.slug
 
 
-def how_played(game: Game, n_games: int | None = None) -> str:
-    """Return who plays such games, as the beginning of a sentence."""
+def describe_games(game: Game, n_games: int | None = None) -> str:
+    """Describe the games of an example by their player, to begin a sentence."""
     count = "" if n_games is None else f"{n_games} "
     if has_player(game.name):
         return f"{count}games of a scripted player with errors in {game.title}"

@@ -29,9 +29,9 @@ class ArchiveMaker:
     """Makes archives, one at a time, and keeps them in the cache; thread-safe.
 
     Args:
-        settings: Whose runs are exported.
+        settings: Settings of the server.
         cache: Where archives are kept.
-        timeout_s: How long one may take.
+        timeout_s: Timeout of an archive.
     """
 
     def __init__(self, settings: Settings, cache: Cache, timeout_s: float = TIMEOUT_S) -> None:
@@ -69,10 +69,12 @@ class ArchiveMaker:
             # Whoever asked for it is in the audit log.
             export.append("--unlogged")
             # Games come first.
-            done = run_program(
+            result = run_program(
                 ["nice", "-n", NICENESS, *export], self._timeout_s, "archive", environ=self._environ
             )
-            if done.returncode != 0:
-                _LOG.error("An archive could not be made: %s", done.stderr.decode(errors="replace"))
+            if result.returncode != 0:
+                _LOG.error(
+                    "An archive could not be made: %s", result.stderr.decode(errors="replace")
+                )
                 raise Unavailable("The archive could not be made; the server's log says why.")
             return path.read_bytes()

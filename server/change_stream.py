@@ -29,11 +29,11 @@ MOST_RECORDINGS = 50
 """Most changed recordings that a page is told of one by one; beyond that, of libraries."""
 
 
-def _together(changes: Collection[Change]) -> Collection[Change]:
-    rest = [change for change in changes if change[0] != "recording"]
-    if len(changes) - len(rest) <= MOST_RECORDINGS:
+def _coalesced(changes: Collection[Change]) -> Collection[Change]:
+    other_changes = [change for change in changes if change[0] != "recording"]
+    if len(changes) - len(other_changes) <= MOST_RECORDINGS:
         return changes
-    return [*rest, (LIBRARY_CHANGED, "")]
+    return [*other_changes, (LIBRARY_CHANGED, "")]
 
 
 class _Listener:
@@ -129,7 +129,7 @@ class ChangeStream:
                 listener.woken.clear()
                 pending, listener.pending = listener.pending, {}
                 changes = list(pending) if visible is None else await visible(list(pending))
-                for topic, key in _together(changes):
+                for topic, key in _coalesced(changes):
                     data = json.dumps({"topic": topic, "key": key})
                     yield f"event: change\ndata: {data}\n\n"
         finally:

@@ -18,15 +18,15 @@ class ConcurrencyLimit:
     A request that waits holds neither a thread nor a connection to the database.
 
     Args:
-        at_once: Most requests that work.
-        each: Most of one client's that work.
-        waiting: Most of one client's that wait.
-        wait_s: How long one waits.
+        at_once: Most requests at work.
+        per_client: Most requests of one client at work.
+        waiting: Most waiting requests of one client.
+        wait_s: Longest wait of a request.
     """
 
-    def __init__(self, at_once: int, each: int, waiting: int, wait_s: float) -> None:
+    def __init__(self, at_once: int, per_client: int, waiting: int, wait_s: float) -> None:
         self._n_free = at_once
-        self._each = each
+        self._per_client = per_client
         self._places = waiting
         self._wait_s = wait_s
         self._at_work: Counter[Hashable] = Counter()
@@ -55,7 +55,7 @@ class ConcurrencyLimit:
             raise _too_busy()
         turn = asyncio.get_running_loop().create_future()
         queue.append(turn)
-        self._go_on()
+        self._grant_slots()
         try:
             async with asyncio.timeout(self._wait_s):
                 await turn
@@ -78,14 +78,14 @@ class ConcurrencyLimit:
         self._at_work[client] -= 1
         if not self._at_work[client]:
             del self._at_work[client]
-        self._go_on()
+        self._grant_slots()
 
-    def _go_on(self) -> None:
-        """Give free slots to those that may have them."""
+    def _grant_slots(self) -> None:
+        """Give free slots to waiting requests."""
         for client in list(self._waiting):
             if not self._n_free:
                 return
-            if self._at_work[client] >= self._each:
+            if self._at_work[client] >= self._per_client:
                 continue
             turn = next((turn for turn in self._waiting[client] if not turn.done()), None)
             if turn is None:

@@ -54,7 +54,7 @@ PageLimit = Annotated[int, Query(ge=1, le=MAX_LISTED)]
 
 
 def identity_of(connection: HTTPConnection) -> Identity:
-    """Return who makes a request that was let in."""
+    """Return the identity of an admitted request."""
     identity: Identity = connection.scope["identity"]
     return identity
 

@@ -116,7 +116,7 @@ def run_server(settings: Settings, shares_port: bool = False) -> None:
     """Serve until a signal arrives.
 
     Args:
-        settings: What to serve and where.
+        settings: Settings of the server.
         shares_port: Whether other server processes may listen on the same port.
 
     Raises:
@@ -198,19 +198,19 @@ def take_port(settings: Settings, shares_port: bool = False) -> socket.socket:
         Unavailable: The port is taken, or the address is not this machine's.
     """
     family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
-    taken = socket.socket(family, socket.SOCK_STREAM)
+    listener = socket.socket(family, socket.SOCK_STREAM)
     if os.name == "posix":
-        taken.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         if hasattr(socket, "TCP_USER_TIMEOUT"):  # connections inherit it
-            taken.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, UNACKNOWLEDGED_MS)
+            listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, UNACKNOWLEDGED_MS)
         if shares_port:
-            taken.setsockopt(socket.SOL_SOCKET, _reuse_port(), 1)
-        taken.bind((settings.host, settings.port))
+            listener.setsockopt(socket.SOL_SOCKET, _reuse_port(), 1)
+        listener.bind((settings.host, settings.port))
     except OSError as error:
-        taken.close()
+        listener.close()
         raise _port_unusable(settings, error) from error
-    return taken
+    return listener
 
 
 def _reuse_port() -> int:

@@ -21,13 +21,13 @@ def allow_open_files(settings: Settings) -> None:
         Unavailable: The system does not allow so many; says what to do.
     """
     needed = settings.max_connections + OWN_FILES
-    allowed, most = resource.getrlimit(resource.RLIMIT_NOFILE)
+    allowed, maximum = resource.getrlimit(resource.RLIMIT_NOFILE)
     if allowed == resource.RLIM_INFINITY or allowed >= needed:
         return
-    if most != resource.RLIM_INFINITY and most < needed:
+    if maximum != resource.RLIM_INFINITY and maximum < needed:
         raise Unavailable(
             f"A server for {settings.max_connections} connections opens up to {needed} files, and"
-            f" this system allows {most}. Allow more (ulimit -n {needed}), or fewer connections"
+            f" this system allows {maximum}. Allow more (ulimit -n {needed}), or fewer connections"
             " (TRIL_MAX_CONNECTIONS)."
         )
-    resource.setrlimit(resource.RLIMIT_NOFILE, (needed, most))
+    resource.setrlimit(resource.RLIMIT_NOFILE, (needed, maximum))

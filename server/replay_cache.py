@@ -19,7 +19,7 @@ def version_of(recording: Recording) -> str:
     """Return a short digest of everything that a replay depends on."""
     game = recording.game
     digest = hashlib.blake2b(recording.actions, digest_size=10)
-    rest = (
+    version = (
         _FORMAT,
         game.name,
         recording.version,
@@ -27,7 +27,7 @@ def version_of(recording: Recording) -> str:
         recording.end_rule,
         game.screen.hidden,
     )
-    digest.update(repr(rest).encode())
+    digest.update(repr(version).encode())
     return digest.hexdigest()
 
 
@@ -50,7 +50,7 @@ class ReplayCache:
         self._lock = threading.Lock()
 
     def get(self, recording: Recording, task: ReplayTask) -> bytes:
-        """Return what a replay yields, replaying the recording unless the file is cached."""
+        """Return a product of a replay, replaying the recording unless the file is cached."""
 
         def replay() -> bytes:
             with self._lock:

@@ -88,16 +88,16 @@ class Services:
     changes: ChangeStream
     storage: StorageMeter
     read_limit: ConcurrencyLimit = field(
-        default_factory=lambda: ConcurrencyLimit(at_once=4, each=1, waiting=64, wait_s=20)
+        default_factory=lambda: ConcurrencyLimit(at_once=4, per_client=1, waiting=64, wait_s=20)
     )
     write_limit: ConcurrencyLimit = field(
-        default_factory=lambda: ConcurrencyLimit(at_once=2, each=1, waiting=64, wait_s=20)
+        default_factory=lambda: ConcurrencyLimit(at_once=2, per_client=1, waiting=64, wait_s=20)
     )
     replay_limit: ConcurrencyLimit = field(
-        default_factory=lambda: ConcurrencyLimit(at_once=8, each=4, waiting=128, wait_s=120)
+        default_factory=lambda: ConcurrencyLimit(at_once=8, per_client=4, waiting=128, wait_s=120)
     )
     upload_limit: ConcurrencyLimit = field(
-        default_factory=lambda: ConcurrencyLimit(at_once=2, each=1, waiting=8, wait_s=120)
+        default_factory=lambda: ConcurrencyLimit(at_once=2, per_client=1, waiting=8, wait_s=120)
     )
 
 
@@ -156,7 +156,7 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
         changes=ChangeStream(database, on_change),
         storage=StorageMeter(settings),
     )
-    last_seen = PeriodicTask("last seen", access.save_seen, SEEN_EVERY_S)
+    last_seen = PeriodicTask("last seen", access.save_last_use, SEEN_EVERY_S)
     heartbeat = Heartbeat(database, name, "server", limits.watched.details)
     try:
         await asyncio.to_thread(heartbeat.start)

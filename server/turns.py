@@ -18,13 +18,13 @@ class Turns:
     """Makes one file at a time; thread-safe.
 
     Args:
-        what: What is made, in the plural.
+        products: Name of the products in the plural, for the message.
         max_waiting: How many requests may wait before further ones are refused: each holds a
             thread of the server.
     """
 
-    def __init__(self, what: str, max_waiting: int) -> None:
-        self._what = what
+    def __init__(self, products: str, max_waiting: int) -> None:
+        self._products = products
         self._lock = threading.Lock()
         self._places = threading.BoundedSemaphore(1 + max_waiting)
 
@@ -37,7 +37,7 @@ class Turns:
         """
         if not self._places.acquire(blocking=False):
             raise Unavailable(
-                f"Several {self._what} are being made already. Try again in a minute."
+                f"Several {self._products} are being made already. Try again in a minute."
             )
         try:
             with self._lock:
@@ -49,7 +49,7 @@ class Turns:
 def run_program(
     command: Sequence[str],
     timeout_s: float,
-    what: str,
+    product: str,
     request: bytes = b"",
     environ: Mapping[str, str] | None = None,
 ) -> subprocess.CompletedProcess[bytes]:
@@ -57,9 +57,9 @@ def run_program(
 
     Args:
         command: The program with its arguments.
-        timeout_s: After which it is killed.
-        what: What it makes.
-        request: Its standard input.
+        timeout_s: Timeout of the program.
+        product: Name of the product, for the message.
+        request: Standard input of the program.
         environ: Variables besides this process's.
 
     Raises:
@@ -76,5 +76,5 @@ def run_program(
         )
     except subprocess.TimeoutExpired as error:
         raise Unavailable(
-            f"Making the {what} took too long, because the machine is busy. Try again later."
+            f"Making the {product} took too long, because the machine is busy. Try again later."
         ) from error

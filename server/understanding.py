@@ -72,12 +72,12 @@ class OrderUnderstood:
     """What Tril understands of an order.
 
     Attributes:
-        state: How far it is.
+        state: State of the inference.
         progress: Share of what is done, 0 to 1; while it learns or watches.
         statements: The most probable first.
         is_sense: Whether the order is about something rather than drawn by chance; None before it
             is understood.
-        values: Of each game that was watched, in log odds, keyed by the recording's id.
+        values: Value of each watched game, in log odds, keyed by recording id.
         contradiction: The games that contradict most, if any do.
     """
 
@@ -120,13 +120,13 @@ class OrderReader:
         answers: Sequence[Answer],
         recordings_of: RecordingsOf,
     ) -> OrderUnderstood:
-        """Return what is understood of an order.
+        """Infer the statements that an order is about.
 
         Args:
             game: The game, as its behaviour sets it.
             tiers: The order.
             best: Ids of the best efforts, ranked or not.
-            answers: What a person said of statements, the latest last.
+            answers: Answers about statements, the latest last.
             recordings_of: Called in another thread.
 
         Raises:
@@ -138,12 +138,12 @@ class OrderReader:
         if making.path is None:
             return OrderUnderstood(State.LEARNING, making.progress)
         ranked = [key for tier in tiers for key in tier]
-        wanted = list(dict.fromkeys([*ranked, *best]))
-        facts, n_waiting = self._facts_of(making.path, wanted, recordings_of)
+        recording_ids = list(dict.fromkeys([*ranked, *best]))
+        facts, n_waiting = self._facts_of(making.path, recording_ids, recordings_of)
         order = [[key for key in tier if key in facts] for tier in tiers]
         order = [tier for tier in order if tier]
         if n_waiting:
-            return OrderUnderstood(State.WATCHING, 1 - n_waiting / len(wanted))
+            return OrderUnderstood(State.WATCHING, 1 - n_waiting / len(recording_ids))
         if len(order) < 2 or sum(map(len, order)) < LEAST_GAMES:
             return OrderUnderstood(State.WAITING)
         keys = list(facts)
@@ -186,9 +186,9 @@ class OrderReader:
             for key in facts:
                 self._facts.move_to_end((name, key))
             missing = [key for key in ids if key not in facts and (name, key) not in self._refused]
-            new = [key for key in missing if (name, key) not in self._watched]
-            self._watched.update((name, key) for key in new)
-        for key in new:
+            unwatched = [key for key in missing if (name, key) not in self._watched]
+            self._watched.update((name, key) for key in unwatched)
+        for key in unwatched:
             self._thread.submit(self._watch, vocabulary, key, recordings_of)
         return facts, len(missing)
 
@@ -223,18 +223,18 @@ def strongest_contradiction(order: Order, values: Mapping[int, float]) -> Contra
 
     Args:
         order: Ids of games in tiers, the best first.
-        values: Their values in log odds.
+        values: Values of the games, in log odds.
     """
-    most, pair = LEAST_CONTRADICTION, None
-    least: int | None = None
+    largest_gap, pair = LEAST_CONTRADICTION, None
+    lowest_above: int | None = None
     # Of the games above, the one of least value contradicts most.
     for tier in order:
-        if least is not None:
+        if lowest_above is not None:
             highest = max(tier, key=lambda key: values[key])
-            if values[highest] - values[least] >= most:
-                most = values[highest] - values[least]
-                pair = Contradiction(least, highest)
+            if values[highest] - values[lowest_above] >= largest_gap:
+                largest_gap = values[highest] - values[lowest_above]
+                pair = Contradiction(lowest_above, highest)
         lowest = min(tier, key=lambda key: values[key])
-        if least is None or values[lowest] < values[least]:
-            least = lowest
+        if lowest_above is None or values[lowest] < values[lowest_above]:
+            lowest_above = lowest
     return pair

@@ -40,7 +40,7 @@ class CallbackProgress:
     """Calls a function for every report, whatever was reported.
 
     Args:
-        callback: What it raises ends the work.
+        callback: Function to call; an error that it raises ends the work.
     """
 
     def __init__(self, callback: Callable[[], None]) -> None:

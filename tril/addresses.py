@@ -49,7 +49,7 @@ class TcpAddress:
     Attributes:
         host: Name or address, an IPv6 one without brackets.
         port: The port.
-        is_encrypted: Whether it speaks TLS.
+        is_encrypted: Whether the endpoint speaks TLS.
     """
 
     host: str

@@ -74,11 +74,12 @@ class Ranking:
         """Return the ranking without some recordings, dropping tiers that become empty."""
         return normalise((item for item in tier if item not in items) for tier in self.tiers)
 
-    def with_back(self, item: int, former: Ranking) -> Ranking:
-        """Return the ranking with a recording put back where an earlier one had it.
+    def with_restored(self, item: int, former: Ranking) -> Ranking:
+        """Return the ranking with a recording restored to its place in a former ranking.
 
-        It is tied with the first of its former tier that is still ranked; else it gets a tier of
-        its own below the nearest former tier above it or, without any, above the nearest one below.
+        It joins the first recording of its former tier that is still ranked. Otherwise it gets a
+        tier of its own below the nearest former tier above it or, without any, above the nearest
+        tier below.
 
         Args:
             item: The recording, which this ranking lacks.
@@ -89,19 +90,19 @@ class Ranking:
         """
         at = next(place for place, tier in enumerate(former.tiers) if item in tier)
         mates, tiers = former.tiers[at], [list(tier) for tier in self.tiers]
-        place_of = {one: place for place, tier in enumerate(tiers) for one in tier}
+        place_of = {ranked_item: place for place, tier in enumerate(tiers) for ranked_item in tier}
         if tied := [mate for mate in mates if mate in place_of]:
             tier = tiers[place_of[tied[0]]]
             before = mates[: mates.index(item)]
             tier.insert(
-                max((tier.index(one) + 1 for one in before if one in tier), default=0), item
+                max((tier.index(mate) + 1 for mate in before if mate in tier), default=0), item
             )
             return normalise(tiers)
         for above in reversed(former.tiers[:at]):
-            if places := [place_of[one] for one in above if one in place_of]:
+            if places := [place_of[other_item] for other_item in above if other_item in place_of]:
                 return normalise([*tiers[: max(places) + 1], [item], *tiers[max(places) + 1 :]])
         for below in former.tiers[at + 1 :]:
-            if places := [place_of[one] for one in below if one in place_of]:
+            if places := [place_of[other_item] for other_item in below if other_item in place_of]:
                 return normalise([*tiers[: min(places)], [item], *tiers[min(places) :]])
         return self if tiers else normalise([[item]])
 
@@ -188,8 +189,8 @@ def _pair_signs(values: Sequence[float]) -> NDArray[np.int8]:
 
 def _tau_b(first: Sequence[float], second: Sequence[float]) -> float | None:
     """Return Kendall's tau-b (Kendall 1945) of two sequences, None if either is constant."""
-    one, other = _pair_signs(first), _pair_signs(second)
-    untied = float(np.count_nonzero(one)) * float(np.count_nonzero(other))
+    first_signs, second_signs = _pair_signs(first), _pair_signs(second)
+    untied = float(np.count_nonzero(first_signs)) * float(np.count_nonzero(second_signs))
     if untied == 0:
         return None
-    return float(np.sum(one * other, dtype=np.int64) / np.sqrt(untied))
+    return float(np.sum(first_signs * second_signs, dtype=np.int64) / np.sqrt(untied))

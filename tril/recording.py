@@ -41,7 +41,7 @@ class Recording:
 
     Attributes:
         game: The game.
-        start: How it began.
+        start: Start of the game.
         actions: The action executed at every frame, one byte each: an index of the game's actions.
         hashes: Console.state_hash() after every second; empty if they were not recorded.
         version: Version of the game that it was played on; "" for the one that is installed.
@@ -90,8 +90,8 @@ class Recording:
         """Number of agent steps, including one cut short by the end."""
         return self.game.clock.n_steps(len(self.actions))
 
-    def as_seen_in(self, game: Game) -> Recording:
-        """Return the recording with what a behaviour's game hides from learning."""
+    def with_hidden_areas_of(self, game: Game) -> Recording:
+        """Return the recording with the areas that a behaviour's game hides from learning."""
         settings = replace(self.game.settings, hidden=game.settings.hidden)
         return replace(self, game=self.game.with_settings(settings))
 
@@ -164,7 +164,7 @@ class Recorder:
         recording: Recording,
         console: Console,
         max_frames: int | None = None,
-        near: EpisodeState | None = None,
+        nearest_state: EpisodeState | None = None,
     ) -> Self:
         """Resume a recording by replaying it on a console.
 
@@ -172,8 +172,8 @@ class Recorder:
             recording: The game so far.
             console: The console to play on.
             max_frames: Maximum length of the episode; None for the game's.
-            near: A state of the same game, not after the recording's last frame, to replay from
-                instead of the start. The recording must have hashes then.
+            nearest_state: State of the same game, not after the recording's last frame, to replay
+                from instead of the start. The recording must have hashes then.
 
         Raises:
             RecordingRefused: The replay differs from the recording.
@@ -181,8 +181,8 @@ class Recorder:
         _check_version(recording)
         console = _console(recording, console)
         recorder = cls(Episode(console, recording.start, recording.end_rule, max_frames))
-        if near is not None:
-            recorder.episode.restore(near)
+        if nearest_state is not None:
+            recorder.episode.restore(nearest_state)
             before = recorder.episode.frame // recorder._interval
             recorder._hashes = list(recording.hashes[:before])
         for action in recording.actions[recorder.episode.frame :]:
@@ -233,7 +233,7 @@ def replay(
     """Replay a recording until the episode or the actions end.
 
     Args:
-        recording: What to replay.
+        recording: Recording to replay.
         console: A console of its game to replay on; None makes one.
         on_frame: Called at the start and after every frame.
     """
@@ -274,8 +274,8 @@ def verify(
         recording: The recording; its hashes are compared if it has any.
         taken: The expected items, in order of time; None skips the comparison.
         console: A console of its game to replay on; None makes one.
-        rewards: What the game is expected to pay at every frame; None skips the comparison.
-        measures: What to measure in the same replay.
+        rewards: Expected reward of every frame; None skips the comparison.
+        measures: Measures to take in the same replay.
 
     Raises:
         RecordingRefused: It was played on another version of the game, or the replay differs.
@@ -285,13 +285,15 @@ def verify(
     check_rewards = None if rewards is None else _RewardCheck(rewards)
     played = _measured_replay(recording, console, measures, check_rewards)
     _check_hashes(recording, played.hashes)
-    cells = [one.cell for one in played.taken]
+    cells = [item.cell for item in played.taken]
     if taken is not None and cells != [tuple(cell) for cell in taken]:
         raise RecordingRefused(
             f"The replay takes {_names(cells)}, but the recording says {_names(taken)}."
         )
-    kept = replace(recording, actions=recording.actions[: played.n_frames], hashes=played.hashes)
-    return Verified(kept, played, recording.n_frames - played.n_frames)
+    verified = replace(
+        recording, actions=recording.actions[: played.n_frames], hashes=played.hashes
+    )
+    return Verified(verified, played, recording.n_frames - played.n_frames)
 
 
 def _measured_replay(
@@ -309,9 +311,9 @@ def _measured_replay(
         if on_frame:
             on_frame(episode)
 
-    needs_memory = any(reads_memory(game, one) for one in measures)
+    needs_memory = any(reads_memory(game, measure) for measure in measures)
     played = replay(recording, console, keep_memory if needs_memory else on_frame)
-    seen = Played(
+    episode = Played(
         memory=np.array(memory, np.uint8),
         actions=recording.actions[: played.n_frames],
         taken=played.taken,
@@ -319,7 +321,9 @@ def _measured_replay(
         score=played.score,
         end=played.end,
     )
-    measured = {one.measure.key: one.value for one in measure(game, measures, seen)}
+    measured = {
+        measured.measure.key: measured.value for measured in measure(game, measures, episode)
+    }
     return replace(played, measured=measured)
 
 
@@ -383,13 +387,13 @@ def trajectory(recording: Recording, console: Console | None = None) -> Trajecto
 
     played = replay(recording, console, look)
     _check_hashes(recording, played.hashes)
-    kept = replace(recording, actions=recording.actions[: played.n_frames], hashes=())
+    complete = replace(recording, actions=recording.actions[: played.n_frames], hashes=())
     if played.n_frames % frames_per_step:
         view.finish_step(console, played.n_frames)
-        view.observe(observations[kept.n_steps])
+        view.observe(observations[complete.n_steps])
     return Trajectory(
-        observations[: kept.n_steps + 1],
-        step_actions(kept.actions, frames_per_step),
+        observations[: complete.n_steps + 1],
+        step_actions(complete.actions, frames_per_step),
         played.taken,
         played.end,
     )
@@ -443,14 +447,14 @@ def _check_hashes(recording: Recording, replayed: Sequence[str]) -> None:
     if not recording.hashes:
         return
     interval = hash_interval(recording.game)
-    for second, (recorded, seen) in enumerate(
+    for second, (recorded_hash, replayed_hash) in enumerate(
         zip(recording.hashes, replayed, strict=False), start=1
     ):
-        if recorded != seen:
+        if recorded_hash != replayed_hash:
             raise RecordingRefused(
                 f"The replay differs from the recording: the memory after frame"
-                f" {second * interval} has the hash {seen}, the recording says {recorded}. Its"
-                " start or actions were changed or are incomplete."
+                f" {second * interval} has the hash {replayed_hash}, the recording says"
+                f" {recorded_hash}. Its start or actions were changed or are incomplete."
             )
 
 

@@ -269,8 +269,8 @@ def unknown_settings(names: Iterable[str]) -> dict[str, str | None]:
     Args:
         names: Names of environment variables, in upper case.
     """
-    known = [f"{PREFIX}{name}".upper() for name in Settings.model_fields]
+    known_names = [f"{PREFIX}{name}".upper() for name in Settings.model_fields]
     wrong = sorted(
-        name for name in names if name.startswith(PREFIX) and name not in {*known, *_INTERNAL}
+        name for name in names if name.startswith(PREFIX) and name not in {*known_names, *_INTERNAL}
     )
-    return {name: next(iter(get_close_matches(name, known, 1)), None) for name in wrong}
+    return {name: next(iter(get_close_matches(name, known_names, 1)), None) for name in wrong}

@@ -47,6 +47,6 @@ def stages_of(example: bool) -> tuple[Stage, ...]:
     """Return the stages that a run goes through, in order.
 
     Args:
-        example: Whether it makes its demonstrations first.
+        example: Whether the run makes its demonstrations first.
     """
     return tuple(stage for stage in Stage if example or stage is not Stage.DEMONSTRATIONS)

@@ -71,8 +71,8 @@ def clean_line(text: str, max_length: int | None = None) -> str:
     is empty, something of it is seen.
 
     Args:
-        text: What was given.
-        max_length: How many characters are accepted, counted in what is returned.
+        text: Text as entered.
+        max_length: Most characters accepted, counted after cleaning.
 
     Raises:
         TextRefused: It has a character that can't be accepted, or is too long.
@@ -84,8 +84,8 @@ def clean_lines(text: str, max_length: int | None = None) -> str:
     """Return a text of any number of lines as it is stored: composed (NFC), with LF between lines.
 
     Args:
-        text: What was given.
-        max_length: How many characters are accepted, counted in what is returned.
+        text: Text as entered.
+        max_length: Most characters accepted, counted after cleaning.
 
     Raises:
         TextRefused: It has a character that can't be accepted, or is too long.
@@ -94,7 +94,7 @@ def clean_lines(text: str, max_length: int | None = None) -> str:
 
 
 def shown_line(text: str, max_length: int | None = None) -> str:
-    """Return what was stored such that ``clean_line`` accepts it.
+    """Return a stored text such that ``clean_line`` accepts it.
 
     Earlier versions stored what is refused today. Each such character becomes U+FFFD.
     """
@@ -102,7 +102,7 @@ def shown_line(text: str, max_length: int | None = None) -> str:
 
 
 def shown_lines(text: str, max_length: int | None = None) -> str:
-    """Return what was stored such that ``clean_lines`` accepts it, as ``shown_line`` does."""
+    """Return a stored text such that ``clean_lines`` accepts it, as ``shown_line`` does."""
     return _replaced(_composed_lines(text)[:max_length], _KEPT_IN_LINES)
 
 
@@ -127,18 +127,18 @@ def folded(text: str) -> str:
     Case, other forms of a character (NFKC), spaces of any kind and number, and what is invisible
     make no difference.
     """
-    seen = "".join(character for character in text if not _is_invisible(character))
+    visible = "".join(character for character in text if not _is_invisible(character))
     # Folding case can undo a composition, and composing can leave something to fold.
     for _ in range(2):
-        seen = unicodedata.normalize("NFKC", seen).casefold()
-    return " ".join(unicodedata.normalize("NFKC", seen).split())
+        visible = unicodedata.normalize("NFKC", visible).casefold()
+    return " ".join(unicodedata.normalize("NFKC", visible).split())
 
 
 def printable(text: str, keep: str = "") -> str:
     r"""Return a text for a terminal or a log: what is invisible or acts is escaped, as \x1b.
 
     Args:
-        text: What anybody may have written.
+        text: Text from any source.
         keep: Characters that stay as they are, such as line breaks.
     """
     if text.isascii() and text.isprintable():
@@ -158,8 +158,8 @@ def _composed_lines(text: str) -> str:
     return unicodedata.normalize("NFC", _LINE_BREAKS.sub("\n", text))
 
 
-def _checked(text: str, max_length: int | None, kept: str) -> str:
-    for place, reason in _faults(text, kept):
+def _checked(text: str, max_length: int | None, accepted: str) -> str:
+    for place, reason in _faults(text, accepted):
         code, name = f"U+{ord(text[place]):04X}", unicodedata.name(text[place], "").lower()
         raise TextRefused(
             f"Character {place + 1} is {code}{name and f' ({name})'}: {reason}. Remove it, or type"
@@ -171,9 +171,9 @@ def _checked(text: str, max_length: int | None, kept: str) -> str:
     return text
 
 
-def _replaced(text: str, kept: str) -> str:
+def _replaced(text: str, accepted: str) -> str:
     # A replaced character can leave behind a joiner or a mark that belonged to it.
-    while places := {place for place, _ in _faults(text, kept)}:
+    while places := {place for place, _ in _faults(text, accepted)}:
         text = "".join(_REPLACEMENT if at in places else c for at, c in enumerate(text))
     return text
 
@@ -189,16 +189,16 @@ def _each_text(value: Any, line: Callable[[str], str], lines: Callable[[str], st
     return value
 
 
-def _faults(text: str, kept: str) -> Iterator[tuple[int, str]]:
+def _faults(text: str, accepted: str) -> Iterator[tuple[int, str]]:
     """Yield the place of each character that can't be accepted, and why."""
-    if all(map(_is_plain, set(text) - set(kept))):
+    if all(map(_is_plain, set(text) - set(accepted))):
         return
     in_flags = {place for flag in _FLAGS.finditer(text) for place in range(*flag.span())}
     n_marks = 0
     for place, character in enumerate(text):
         kind = unicodedata.category(character)
         n_marks = n_marks + 1 if kind in ("Mn", "Me") else 0
-        if character in kept or place in in_flags:
+        if character in accepted or place in in_flags:
             continue
         if character in (_ZWNJ, _ZWJ):
             if not _joins(text, place):
@@ -210,7 +210,7 @@ def _faults(text: str, kept: str) -> Iterator[tuple[int, str]]:
             yield place, "an invisible character that changes the direction of writing"
         elif character in _BLANKS:
             yield place, "a character that shows nothing"
-        elif kind in _REFUSED and not _is_seen_anyway(character):
+        elif kind in _REFUSED and not _is_visible(character):
             yield place, _REFUSED[kind]
         elif n_marks > MAX_MARKS:
             yield place, f"one of more than {MAX_MARKS} marks on one character"
@@ -236,8 +236,8 @@ def _joins(text: str, place: int) -> bool:
     if not after:
         return False
     kind = unicodedata.category(before)
-    if text[place] == _ZWJ and (kind in ("So", "Sk") or _is_seen_anyway(before)):
-        return unicodedata.category(after) in ("So", "Sm") or _is_seen_anyway(after)
+    if text[place] == _ZWJ and (kind in ("So", "Sk") or _is_visible(before)):
+        return unicodedata.category(after) in ("So", "Sm") or _is_visible(after)
     # Letters without case: the scripts whose letters join (Arabic, Mongolian, Indic) have none.
     within_word = ("Lo", "Lm", "Mn", "Mc")
     return kind in within_word and unicodedata.category(after) in within_word
@@ -258,12 +258,12 @@ def _has_variations(selector: str, before: str) -> bool:
     kind = unicodedata.category(before)
     if selector in ("\ufe0e", "\ufe0f"):
         is_emoji = kind in ("So", "Sm", "Sk", "Po", "Pd", "Nd") or before == "\u2139"
-        return is_emoji or _is_seen_anyway(before)
+        return is_emoji or _is_visible(before)
     return kind == "Lo" or (kind in ("Sm", "So", "Po", "Nd") and selector < "\ufe0e")
 
 
-def _is_seen_anyway(character: str) -> bool:
-    """Whether a character of a refused category is seen."""
+def _is_visible(character: str) -> bool:
+    """Whether a character of a refused category is visible."""
     # Emoji are added each year, in a range that is reserved for them (Extended_Pictographic).
     is_pictograph = "\U0001f000" <= character <= "\U0001faff"
     is_new = is_pictograph and unicodedata.category(character) == "Cn"
@@ -277,6 +277,6 @@ def _is_invisible(character: str) -> bool:
 
 def _is_harmless(character: str) -> bool:
     """Whether a terminal shows a character and does nothing else."""
-    if character in (_ZWNJ, _ZWJ) or _is_seen_anyway(character):
+    if character in (_ZWNJ, _ZWJ) or _is_visible(character):
         return True
     return unicodedata.category(character) not in _REFUSED and character not in _BLANKS

@@ -36,21 +36,21 @@ def backup(
         if check:
             if folder is None:
                 raise Invalid("Name the folder of the backup to verify.")
-            found = check_backup(folder)
+            result = check_backup(folder)
         else:
             now = datetime.now().astimezone()
             settings = read_settings()
-            found = make_backup(settings, folder or Path("backups") / f"tril-{now:%Y%m%d-%H%M%S}")
-            _note(settings, found)
-    _report(found, "Backup verified" if check else "Backed up", as_json)
+            result = make_backup(settings, folder or Path("backups") / f"tril-{now:%Y%m%d-%H%M%S}")
+            _note(settings, result)
+    _report(result, "Backup verified" if check else "Backed up", as_json)
 
 
-def _note(settings: Settings, found: Backup) -> None:
+def _note(settings: Settings, result: Backup) -> None:
     """Log a backup. One of a database that can't be written any more is worth having, too."""
     database = create_database(settings.application_url)
     try:
         with database.writing() as session:
-            folder = printable(str(found.folder))
+            folder = printable(str(result.folder))
             audit.note(session, audit.Action.BACKED_UP, None, "", folder=folder)
     except DBAPIError as error:
         errors.print(f"The backup is not in the audit log: {error.orig}.", style="yellow")
@@ -58,13 +58,13 @@ def _note(settings: Settings, found: Backup) -> None:
         database.close()
 
 
-def _report(found: Backup, what: str, as_json: bool) -> None:
+def _report(result: Backup, label: str, as_json: bool) -> None:
     if as_json:
-        print_json(asdict(found))
+        print_json(asdict(result))
         return
     console.print(
-        f"{what}: {found.folder}, {found.n_files} files, {found.size_bytes / 1e6:.1f} MB,"
-        f" {found.n_recordings} recordings, {found.n_runs} runs."
+        f"{label}: {result.folder}, {result.n_files} files, {result.size_bytes / 1e6:.1f} MB,"
+        f" {result.n_recordings} recordings, {result.n_runs} runs."
     )
-    for notice in found.notices:
+    for notice in result.notices:
         console.print(f"  {notice}")

@@ -104,11 +104,11 @@ def add(
                     "A ready-made behaviour is added as it is. Add one of your own instead, or"
                     " change it on the page."
                 )
-            given = ready_made(game_named(game), ready)
-            given = replace(
-                given,
-                name=name or behaviours.free_name(session, given.name),
-                description=description or given.description,
+            behaviour = ready_made(game_named(game), ready)
+            behaviour = replace(
+                behaviour,
+                name=name or behaviours.free_name(session, behaviour.name),
+                description=description or behaviour.description,
             )
         else:
             if name is None:
@@ -121,16 +121,16 @@ def add(
             options = tuple(sorted(_option(text) for text in option or ()))
             settings = GameSettings(None, steps, end_rule, options)
             measures = tuple(map(_measure, measure or ()))
-            given = Behaviour("", name, description, game, cells, ordered, settings, measures)
+            behaviour = Behaviour("", name, description, game, cells, ordered, settings, measures)
         row = behaviours.create(
             session,
-            given.name,
-            given.description,
-            given.target,
-            given.ordered,
-            given.game,
-            given.settings,
-            given.measures,
+            behaviour.name,
+            behaviour.description,
+            behaviour.target,
+            behaviour.ordered,
+            behaviour.game,
+            behaviour.settings,
+            behaviour.measures,
         )
         console.print(f"Added {row.slug}.")
 
@@ -171,7 +171,7 @@ def borrow(
                 tiers = [*newest.tiers, added]
                 player = players.owner(session)
                 rankings.save(session, row.id, newest.revision, tiers, player.id)
-            of_others = {one.id for one in borrowed.listing(session, row.id)}
+            of_others = {game.id for game in borrowed.listing(session, row.id)}
     n_borrowed = len(of_others.intersection(added))
     if as_json:
         print_json({"recordings": added, "borrowed": n_borrowed})

@@ -17,7 +17,7 @@ from cli.commands.runs import (
 )
 from cli.follow import follow_to_end
 from cli.output import console, errors
-from cli.score_example import how_played, print_scores, score_example
+from cli.score_example import describe_games, print_scores, score_example
 from cli.workspace import open_workspace
 from tril.demonstrators import KINDS, SCRIPTED
 from tril.errors import Invalid
@@ -94,8 +94,8 @@ def demo(
         else:
             print_scores(read_scores(workspace.database, run_id))
             errors.print(
-                f"The demonstrations are {how_played(taught, N_GAMES)}, ranked by the game's score:"
-                " nobody played them, and no person's idea of a good game is in their order."
+                f"The demonstrations are {describe_games(taught, N_GAMES)}, ranked by the game's"
+                " score: nobody played them, and no person's idea of a good game is in their order."
             )
         if described := describe_example(row.outcome):
             errors.print(described)

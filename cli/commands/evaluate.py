@@ -72,10 +72,15 @@ def evaluate(
         table = Table("start", "end", box=None, title=behaviour.name, title_justify="left")
         for title in ("targets", "strays", "order errors", "steps", "predicted return"):
             table.add_column(title, justify="right")
-        for number, game, one in zip(numbers, games, figures, strict=True):
-            counts = (one.targets, one.strays, one.order_errors, one.steps)
+        for number, game, game_figures in zip(numbers, games, figures, strict=True):
+            counts = (
+                game_figures.targets,
+                game_figures.strays,
+                game_figures.order_errors,
+                game_figures.steps,
+            )
             cells = ("" if value is None else str(value) for value in counts)
-            table.add_row(str(number), game.end, *cells, f"{one.predicted_return:.1f}")
+            table.add_row(str(number), game.end, *cells, f"{game_figures.predicted_return:.1f}")
         console.print(table)
         _print_means(figures)
 
@@ -120,7 +125,7 @@ def _play(
 
 
 def _figures(behaviour: Behaviour, game: Any) -> GameFigures:
-    result = score(behaviour, tuple(one.cell for one in game.taken))
+    result = score(behaviour, tuple(item.cell for item in game.taken))
     return GameFigures(
         targets=result.targets if result else None,
         strays=result.strays if result else None,

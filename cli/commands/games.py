@@ -21,11 +21,11 @@ def list_games(
     as_json: JsonOption = False,
 ) -> None:
     """List the games, in order of their titles."""
-    wanted = search.casefold()
+    text = search.casefold()
     titles = {
         name: title
         for name, title in game_titles().items()
-        if wanted in name.casefold() or wanted in title.casefold()
+        if text in name.casefold() or text in title.casefold()
     }
     if as_json:
         print_json([{"name": name, "title": title} for name, title in titles.items()])
@@ -67,15 +67,16 @@ def show_game(
         else f"{game.items.rows} x {game.items.columns} {game.items.plural}",
         "things that can be measured": ", ".join(game.things) or "none",
         "counters": ", ".join((*game.counters, *game.tallies)) or "none",
-        "ready-made behaviours": ", ".join(one.slug for one in game.behaviours) or "none",
+        "ready-made behaviours": ", ".join(behaviour.slug for behaviour in game.behaviours)
+        or "none",
         "rewinding": "yes" if game.saves_states else "no: the game does not save states",
     }
     if as_json:
         print_json(facts)
         return
     table = Table(box=None, show_header=False)
-    for what, value in facts.items():
-        table.add_row(what, str(value))
+    for label, value in facts.items():
+        table.add_row(label, str(value))
     console.print(table)
 
 

@@ -80,8 +80,8 @@ def list_access(as_json: JsonOption = False) -> None:
     with open_workspace() as workspace, workspace.database.reading() as session:
         names = players.names(session)
         rows: list[dict[str, object]] = [
-            {"what": "person", "id": one.id, "name": one.name, "role": str(one.role)}
-            for one in roles.people(session)
+            {"what": "person", "id": person.id, "name": person.name, "role": str(person.role)}
+            for person in roles.people(session)
         ]
         rows += [
             {
@@ -109,8 +109,8 @@ def list_access(as_json: JsonOption = False) -> None:
         if as_json:
             print_json(row)
         else:
-            known = [f"{key} {value}" for key, value in row.items() if value is not None][1:]
-            console.print(f"{row['what']:>10}  {', '.join(known)}")
+            details = [f"{key} {value}" for key, value in row.items() if value is not None][1:]
+            console.print(f"{row['what']:>10}  {', '.join(details)}")
 
 
 @app.command()
@@ -178,12 +178,12 @@ def _print_entries(workspace: Workspace, before: int | None, limit: int, as_json
     with workspace.database.reading() as session:
         entries = log.page(session, before, limit)
     for entry in entries:
-        who = entry.player_name
+        player = entry.player_name
         if as_json:
-            print_json({**_facts(entry), "player": who})
+            print_json({**_facts(entry), "player": player})
         else:
             details = ", ".join(f"{name} {value}" for name, value in entry.details.items())
-            line = f"{entry.id:>6}  {entry.at:%Y-%m-%d %H:%M:%S}  {who or 'terminal'}"
+            line = f"{entry.id:>6}  {entry.at:%Y-%m-%d %H:%M:%S}  {player or 'terminal'}"
             console.print(f"{line} {entry.action} {entry.subject} {details}".rstrip())
 
 

@@ -35,9 +35,9 @@ def list_recordings(behaviour: BehaviourOption, as_json: JsonOption = False) -> 
         table.add_column(title, justify="right")
     with open_workspace() as workspace, workspace.database.reading() as session:
         of = find_behaviour(session, behaviour)
-        what = behaviours.as_behaviour(of)
+        taught = behaviours.as_behaviour(of)
         for row in recordings.in_order(session, recordings.library_ids(session, of.id)):
-            result = score(what, tuple((r, c) for r, c, _ in row.taken))
+            result = score(taught, tuple((r, c) for r, c, _ in row.taken))
             if as_json:
                 print_json(
                     {
@@ -160,14 +160,14 @@ def _report(path: Path, outcome: recording_transfer.RecordingImportResult, as_js
             }
         )
         return
-    there = f", {len(outcome.already_there)} already there" if outcome.already_there else ""
-    console.print(f"{path}: {len(outcome.recording_ids)} imported{there}")
+    duplicates = f", {len(outcome.already_there)} already there" if outcome.already_there else ""
+    console.print(f"{path}: {len(outcome.recording_ids)} imported{duplicates}")
     for message in outcome.notices:
         console.print(f"  line {message.line}: {message.reason}")
-    if more := outcome.n_notices - len(outcome.notices):
-        console.print(f"  and {more:,} more notices")
+    if n_left_out := outcome.n_notices - len(outcome.notices):
+        console.print(f"  and {n_left_out:,} more notices")
     for message in outcome.refusals:
         label = f"  line {message.line} refused:"
         errors.print(Text.assemble((label, "red"), f" {message.reason}"))
-    if more := outcome.n_refused - len(outcome.refusals):
-        errors.print(f"  and {more:,} more lines refused", style="red")
+    if n_left_out := outcome.n_refused - len(outcome.refusals):
+        errors.print(f"  and {n_left_out:,} more lines refused", style="red")

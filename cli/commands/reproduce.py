@@ -20,7 +20,7 @@ from tril.demonstrators import KINDS, SCRIPTED, kind_named
 from tril.errors import Invalid
 from tril.files.artifact_store import ArtifactStore, write_whole
 from tril.games import game_named, game_of, published
-from tril.recipes import FAST, PAPER, RECIPES, Recipe, judged_where_trained, recipe_from_dict
+from tril.recipes import FAST, PAPER, RECIPES, Recipe, evaluated_on_own_start, recipe_from_dict
 from tril.store import behaviours
 from tril.store.models import RunRow, RunStatus
 from tril.store.training import runs
@@ -39,7 +39,7 @@ SCORE_ALONE = (
     " and --page-only."
 )
 
-_BEHAVIOURS = {one.slug: one for one in published()}
+_BEHAVIOURS = {behaviour.slug: behaviour for behaviour in published()}
 
 
 def reproduce(
@@ -174,13 +174,13 @@ def _run_on_ranking(
     workspace: Workspace, slug: str, recipe: Recipe, steps: int | None, training_seed: int
 ) -> str:
     """Return the newest run on a behaviour's ranking that is done or not over, else a new one."""
-    wanted = (recipe, steps or recipe.proposed_steps(ordered=False), training_seed)
+    key = (recipe, steps or recipe.proposed_steps(ordered=False), training_seed)
     with workspace.database.reading() as session:
         for row in runs.listing(session, behaviours.by_slug(session, slug).id):
             is_usable = row.status == RunStatus.DONE or not RunStatus(row.status).is_over
             if not is_usable or row.example or row.parent_run_id is not None:
                 continue
-            if (recipe_from_dict(row.recipe), row.steps, row.training_seed) == wanted:
+            if (recipe_from_dict(row.recipe), row.steps, row.training_seed) == key:
                 return row.id
     return start_run(workspace, slug, recipe, steps, training_seed, go_on_anyway=True)
 
@@ -238,7 +238,7 @@ def _recipes(chosen: Recipe, *, own_starts: bool) -> list[Recipe]:
     """Return the recipes to be trained: the chosen one, or one for each start."""
     if not own_starts:
         return [chosen]
-    return [judged_where_trained(chosen, number) for number in chosen.evaluation.start_numbers]
+    return [evaluated_on_own_start(chosen, number) for number in chosen.evaluation.start_numbers]
 
 
 def _extrapolate(recipe: Recipe, training_seeds: Sequence[int], output: Path) -> None:
@@ -251,11 +251,11 @@ def _extrapolate(recipe: Recipe, training_seeds: Sequence[int], output: Path) ->
 
     experiments = [Experiment.of(q, recipe, seed) for seed in training_seeds for q in QUANTITIES]
     lower_priority(Settings().learning_niceness)
-    for one in Ledger(output).missing(experiments):
-        label = f"Ranked by {one.quantity}, training seed {one.training_seed}"
+    for key in Ledger(output).missing(experiments):
+        label = f"Ranked by {key.quantity}, training seed {key.training_seed}"
         with progress_bar(label) as progress:
-            found = extrapolate(one.quantity, recipe, one.training_seed, progress)
-        Ledger(output).add(found)
+            result = extrapolate(key.quantity, recipe, key.training_seed, progress)
+        Ledger(output).add(result)
         console.print(f"{label}: done")
 
 

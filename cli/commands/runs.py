@@ -291,8 +291,8 @@ def import_file(
         added = import_run(workspace.database, store, archive, name=name)
         with workspace.database.reading() as session:
             of = behaviours.get(session, added.behaviour_id)
-        said = "is here already" if added.was_there else "was imported"
-        errors.print(f"The run {said}; it teaches {of.name} ({of.slug}).")
+        state = "is here already" if added.was_there else "was imported"
+        errors.print(f"The run {state}; it teaches {of.name} ({of.slug}).")
         console.print(added.run_id)
 
 
@@ -347,10 +347,10 @@ def _print_means(summaries: Mapping[tuple[str, str], PolicySummary]) -> None:
     table = Table("policy", "actions", title=title, box=None, title_justify="left")
     for heading in ("games", "targets", "strays", "death rate", "perfect games"):
         table.add_column(heading, justify="right")
-    for (policy, action_selection), one in summaries.items():
+    for (policy, action_selection), summary in summaries.items():
         cells = (
             "" if value is None else f"{value.mean:.2f} ({value.low:.2f} to {value.high:.2f})"
-            for value in (one.targets, one.strays, one.death_rate, one.perfect)
+            for value in (summary.targets, summary.strays, summary.death_rate, summary.perfect)
         )
-        table.add_row(policy, action_selection, str(one.steps.n), *cells)
+        table.add_row(policy, action_selection, str(summary.steps.n), *cells)
     console.print(table)

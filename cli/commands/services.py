@@ -111,17 +111,19 @@ def migrate(
 def status(as_json: JsonOption = False) -> None:
     """List the processes of Tril on all machines, with what workers learn on and are at."""
     with open_workspace() as workspace, workspace.database.reading() as session:
-        found = processes.statuses(session)
-    for one in found:
+        statuses = processes.statuses(session)
+    for process in statuses:
         if as_json:
-            print_json(asdict(one))
+            print_json(asdict(process))
         else:
-            known = [str(one.details[key]) for key in ("host", "gpu") if one.details.get(key)]
-            if cores := one.details.get("cores"):
-                known.append(f"{cores} cores")
-            known += [f"run {run_id}" for run_id in one.details.get("runs", ())]
-            state = "busy" if one.busy else "running" if one.alive else "not responding"
-            console.print(f"{one.name}: {', '.join([state, *known])}")
+            details = [
+                str(process.details[key]) for key in ("host", "gpu") if process.details.get(key)
+            ]
+            if cores := process.details.get("cores"):
+                details.append(f"{cores} cores")
+            details += [f"run {run_id}" for run_id in process.details.get("runs", ())]
+            state = "busy" if process.busy else "running" if process.alive else "not responding"
+            console.print(f"{process.name}: {', '.join([state, *details])}")
 
 
 def health(service: Service) -> None:
@@ -152,7 +154,7 @@ def address(
         with open_workspace() as workspace:
             renew_token(workspace.settings.token_file)
             with workspace.database.writing() as session:
-                credentials.sign_everybody_out(session)
+                credentials.sign_out_all_browsers(session)
     with readable_errors():
         settings = read_settings()
         typer.echo(address_with_token(settings, page_url(settings)))
@@ -195,7 +197,7 @@ def ask_server(settings: Settings, timeout_s: float = 3.0) -> None:
 
 
 def _opener() -> urllib.request.OpenerDirector:
-    """Return what asks a server of this machine, by no proxy, whatever name its certificate has."""
+    """Return an opener for a server of this machine, without proxy or certificate check."""
     context = ssl.create_default_context()
     context.check_hostname = False
     context.verify_mode = ssl.CERT_NONE

@@ -139,9 +139,9 @@ def _has_browser() -> bool:
 
 def _warn_of_unknown_settings() -> None:
     for name, nearest in unknown_settings(map(str.upper, os.environ)).items():
-        meant = "" if nearest is None else f" Did you mean {nearest}?"
+        suggestion = "" if nearest is None else f" Did you mean {nearest}?"
         errors.print(
-            Text.assemble(("Warning:", "yellow"), f" {name} is no setting of Tril.{meant}")
+            Text.assemble(("Warning:", "yellow"), f" {name} is no setting of Tril.{suggestion}")
         )
 
 

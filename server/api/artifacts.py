@@ -45,7 +45,7 @@ def get_artifact(request: Request, artifact_id: ArtifactId) -> Response:
     | CONFLICT
     | {200: {"content": {_ZIP: {}}, "description": "docs/run-archive.md"}},
 )
-def get_run_archive(request: Request, who: Who, run_id: RunId) -> Response:
+def get_run_archive(request: Request, identity: Who, run_id: RunId) -> Response:
     """Return a finished training as one zip; making it takes some seconds the first time."""
     services = services_of(request)
     with services.database.reading() as session:
@@ -53,7 +53,7 @@ def get_run_archive(request: Request, who: Who, run_id: RunId) -> Response:
         behaviour = behaviours.get(session, run.behaviour_id)
     archive = services.archives.archive(run, behaviour)
     with services.database.writing() as session:
-        audit.note(session, audit.Action.EXPORTED, who.player_id, f"run {run.id}")
+        audit.note(session, audit.Action.EXPORTED, identity.player_id, f"run {run.id}")
     return Response(
         archive,
         media_type=_ZIP,

@@ -43,7 +43,7 @@ router = APIRouter(prefix="/behaviours", tags=["behaviours"])
 @router.get("", responses=NOT_FOUND)
 def list_behaviours(
     session: ReadSession,
-    who: Who,
+    identity: Who,
     after: Annotated[
         int | None,
         Query(ge=1, le=MAX_ID, description="Only those that follow this one in the list."),
@@ -54,10 +54,10 @@ def list_behaviours(
 
     At most 200 are returned: ask for further ones with ``after``.
     """
-    ids = who.behaviour_ids if who.is_participant else None
+    ids = identity.behaviour_ids if identity.is_participant else None
     rows = behaviours.listing(session, ids=ids, after=after, limit=limit)
-    if who.is_participant:
-        return [for_reader(who, _view(row, {})) for row in rows]
+    if identity.is_participant:
+        return [for_reader(identity, _view(row, {})) for row in rows]
     counts = behaviours.counts(session)
     return [_view(row, counts) for row in rows]
 
@@ -75,11 +75,11 @@ def create_behaviour(session: WriteSession, new: BehaviourNew) -> Behaviour:
         settings=GameSettings.from_json(new.settings.model_dump()),
         measures=measures_of(new.measures),
     )
-    return _one(session, row)
+    return _with_counts(session, row)
 
 
 @router.get("/{behaviour_id}/checklist", responses=NOT_FOUND)
-def get_checklist(session: ReadSession, who: Who, behaviour_id: BehaviourId) -> Checklist:
+def get_checklist(session: ReadSession, identity: Who, behaviour_id: BehaviourId) -> Checklist:
     """Return the demonstrations that exemplify a behaviour, and which of them exist.
 
     The plans are the demonstrator's. Any verified recording counts, whoever played it, that hits
@@ -90,7 +90,7 @@ def get_checklist(session: ReadSession, who: Who, behaviour_id: BehaviourId) -> 
         plans = example_plans(behaviour)
     except Invalid as error:
         return Checklist(planned=[], note=str(error))
-    brief = library.brief(session, behaviour_id, only_of=who.sees_only)
+    brief = library.brief(session, behaviour_id, only_of=identity.visible_player_id)
     games = {
         entry.id: _played(entry)
         for entry in brief.entries
@@ -104,45 +104,45 @@ def get_checklist(session: ReadSession, who: Who, behaviour_id: BehaviourId) -> 
 
 
 @router.get("/{behaviour_id}", responses=NOT_FOUND)
-def get_behaviour(session: ReadSession, who: Who, behaviour_id: BehaviourId) -> Behaviour:
+def get_behaviour(session: ReadSession, identity: Who, behaviour_id: BehaviourId) -> Behaviour:
     """Return one behaviour."""
-    return for_reader(who, _one(session, behaviours.get(session, behaviour_id)))
+    return for_reader(identity, _with_counts(session, behaviours.get(session, behaviour_id)))
 
 
 @router.patch("/{behaviour_id}", responses=NOT_FOUND | CONFLICT)
 def update_behaviour(
-    session: WriteSession, who: Who, behaviour_id: BehaviourId, update: BehaviourUpdate
+    session: WriteSession, identity: Who, behaviour_id: BehaviourId, update: BehaviourUpdate
 ) -> Behaviour:
     """Change a behaviour; omitted fields stay."""
     row = behaviours.get(session, behaviour_id)
-    given = update.model_fields_set
-    before = behaviours.as_behaviour(row)
+    sent_fields = update.model_fields_set
+    current = behaviours.as_behaviour(row)
     behaviours.update(
         session,
         row,
         name=row.name if update.name is None else update.name,
         description=row.description if update.description is None else update.description,
-        target=_cells(update.target) if "target" in given else before.target,
+        target=_cells(update.target) if "target" in sent_fields else current.target,
         ordered=row.ordered if update.ordered is None else update.ordered,
-        player_id=who.player_id,
+        player_id=identity.player_id,
         settings=None
         if update.settings is None
         else GameSettings.from_json(update.settings.model_dump()),
         measures=None if update.measures is None else measures_of(update.measures),
     )
-    return _one(session, row)
+    return _with_counts(session, row)
 
 
 @router.delete("/{behaviour_id}", status_code=204, responses=NOT_FOUND | CONFLICT)
-def delete_behaviour(session: WriteSession, who: Who, behaviour_id: BehaviourId) -> None:
+def delete_behaviour(session: WriteSession, identity: Who, behaviour_id: BehaviourId) -> None:
     """Delete a behaviour; it can be restored."""
-    behaviours.delete(session, behaviours.get(session, behaviour_id), who.player_id)
+    behaviours.delete(session, behaviours.get(session, behaviour_id), identity.player_id)
 
 
 @router.post("/{behaviour_id}/restore", responses=NOT_FOUND | CONFLICT)
-def restore_behaviour(session: WriteSession, who: Who, behaviour_id: BehaviourId) -> Behaviour:
+def restore_behaviour(session: WriteSession, identity: Who, behaviour_id: BehaviourId) -> Behaviour:
     """Restore a deleted behaviour, with everything it had."""
-    return _one(session, behaviours.restore(session, behaviour_id, who.player_id))
+    return _with_counts(session, behaviours.restore(session, behaviour_id, identity.player_id))
 
 
 def _played(entry: library.Entry) -> GameOutcome:
@@ -153,7 +153,7 @@ def _played(entry: library.Entry) -> GameOutcome:
     )
 
 
-def _one(session: Session, row: BehaviourRow) -> Behaviour:
+def _with_counts(session: Session, row: BehaviourRow) -> Behaviour:
     return _view(row, behaviours.counts(session, row.id))
 
 
@@ -165,7 +165,7 @@ def _view(row: BehaviourRow, counts: Mapping[int, behaviours.Counts]) -> Behavio
         row,
         target=behaviour.target,
         settings=settings,
-        measures=[Measure.of_measure(one) for one in behaviour.measures],
+        measures=[Measure.of_measure(measure) for measure in behaviour.measures],
         **asdict(counted),
     )
 

@@ -59,16 +59,16 @@ def list_catalogue(session: ReadSession) -> list[Title]:
         for name, title in game_titles().items()
     ]
     # Sorting keeps the order of titles among those that nobody has played.
-    return sorted(titles, key=lambda one: -_seconds(one.last_played_at))
+    return sorted(titles, key=lambda title: -_seconds(title.last_played_at))
 
 
 @router.get("/games/{name:path}", responses=NOT_FOUND)
-def get_title(session: ReadSession, who: Who, name: str) -> TaughtGame:
+def get_title(session: ReadSession, identity: Who, name: str) -> TaughtGame:
     """Return a game: its screen, time, buttons, ends and what else the page needs.
 
     A participant gets the games of the behaviours that they play.
     """
-    _refuse_title_of_others(session, who, name)
+    _refuse_foreign_title(session, identity, name)
     return game_view(name)
 
 
@@ -98,8 +98,8 @@ def game_view(name: str) -> TaughtGame:
         hidden=[(area.left, area.top, area.right, area.bottom) for area in game.screen.hidden],
         items=None if items is None else Items.of(items, row_colours=list(items.row_colours)),
         counters=dict(game.counters),
-        things={thing: found.title for thing, found in game.things.items()},
-        tallies={tally: found.title for tally, found in game.tallies.items()},
+        things={name: thing.title for name, thing in game.things.items()},
+        tallies={name: tally.title for name, tally in game.tallies.items()},
         ready_made=[_ready_made(behaviour) for behaviour in game.behaviours],
         saves_states=game.saves_states,
         has_memory=game.has_memory,
@@ -113,12 +113,12 @@ def game_view(name: str) -> TaughtGame:
     response_class=Response,
     responses=NOT_FOUND | {200: {"content": {"image/png": {}}}},
 )
-def get_title_picture(request: Request, session: ReadSession, who: Who, name: str) -> Response:
+def get_title_picture(request: Request, session: ReadSession, identity: Who, name: str) -> Response:
     """Return a picture of a game, some seconds after its start.
 
     A participant gets those of the behaviours that they play.
     """
-    _refuse_title_of_others(session, who, name)
+    _refuse_foreign_title(session, identity, name)
     content = drawn_picture(name)
     if content is None:
         played = sample(game_named(name))
@@ -126,14 +126,14 @@ def get_title_picture(request: Request, session: ReadSession, who: Who, name: st
     return Response(content, media_type="image/png", headers={"Cache-Control": _IMMUTABLE})
 
 
-def _refuse_title_of_others(session: Session, who: Identity, name: str) -> None:
-    """Raise UnknownGame unless a participant plays a game.
+def _refuse_foreign_title(session: Session, identity: Identity, name: str) -> None:
+    """Raise UnknownGame for a game that a participant does not play.
 
-    Whoever names any game lets the server import and play environments, for seconds each.
+    A request for an unknown game makes the server import and play environments, for seconds each.
     """
-    if not who.is_participant:
+    if not identity.is_participant:
         return
-    rows = behaviours.listing(session, ids=who.behaviour_ids)
+    rows = behaviours.listing(session, ids=identity.behaviour_ids)
     if name not in {row.game for row in rows}:
         raise UnknownGame(f"There is no game {name!r} here.")
 

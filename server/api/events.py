@@ -26,33 +26,33 @@ router = APIRouter(tags=["events"])
         }
     },
 )
-async def stream_events(request: Request, who: Who) -> StreamingResponse:
-    """Stream changes from now on, until who listens is signed out or may do something else."""
+async def stream_events(request: Request, identity: Who) -> StreamingResponse:
+    """Stream changes until the listener is signed out or has other rights."""
     services = services_of(request)
-    services.access.refuse_too_many_open(who)
+    services.access.refuse_too_many_open(identity)
 
-    async def of_participant(changes: Collection[Change]) -> Collection[Change]:
+    async def visible_changes(changes: Collection[Change]) -> Collection[Change]:
         played = [int(key) for topic, key in changes if topic == "recording"]
-        own = {("player", str(who.player_id))}
-        own |= {
+        own_changes = {("player", str(identity.player_id))}
+        own_changes |= {
             (topic, str(key))
             for topic in ("behaviour", LIBRARY_CHANGED)
-            for key in who.behaviour_ids
+            for key in identity.behaviour_ids
         }
         if played:
-            ids = await services.access.ask(
+            ids = await services.access.query(
                 lambda session: recordings.own_ids(
-                    session, who.player_id, who.behaviour_ids, played
+                    session, identity.player_id, identity.behaviour_ids, played
                 )
             )
-            own |= {("recording", str(key)) for key in ids}
-        return [change for change in changes if change in own]
+            own_changes |= {("recording", str(key)) for key in ids}
+        return [change for change in changes if change in own_changes]
 
     return StreamingResponse(
         services.changes.stream(
-            of_participant if who.is_participant else None,
+            visible_changes if identity.is_participant else None,
             # A page listens again at once, with the rights that it has then.
-            lambda end: services.access.while_open(who, lambda _may_return: end()),
+            lambda end: services.access.watch_rights(identity, lambda _may_return: end()),
         ),
         media_type="text/event-stream",
         headers={"Cache-Control": "no-store", "X-Accel-Buffering": "no"},

@@ -42,7 +42,7 @@ UPLOAD_TIMEOUT_S = 120
 )
 async def import_recordings_file(
     request: Request,
-    who: Who,
+    identity: Who,
     behaviour_id: BehaviourId,
     rank: Annotated[bool, Query(description="The order is from best to worst.")] = False,
     perfect: Annotated[bool, Query(description="All are perfect.")] = False,
@@ -68,7 +68,7 @@ async def import_recordings_file(
                 content,
                 rank=rank,
                 perfect=perfect,
-                player_id=who.player_id,
+                player_id=identity.player_id,
                 max_recordings=MAX_IMPORTED,
                 max_of_player=services.settings.max_recordings_per_player,
                 # A console that is loaded in a thread keeps all games waiting for 0.1 s.
@@ -80,12 +80,12 @@ async def import_recordings_file(
 
 
 @router.post("/example", responses=NOT_FOUND | CONFLICT)
-def open_finished_example(request: Request, who: Who) -> Run:
+def open_finished_example(request: Request, identity: Who) -> Run:
     """Import the finished training that ships with Tril, once, and return it.
 
     It is restored if it was deleted.
     """
     services = services_of(request)
-    opened = open_example(services.database, services.artifacts, who.player_id)
+    opened = open_example(services.database, services.artifacts, identity.player_id)
     with services.database.reading() as session:
         return run_view(session, runs.get(session, opened.run_id))

@@ -42,23 +42,23 @@ PersonsId = Annotated[int, Path(ge=1, le=MAX_ID)]
 
 
 @router.get("/player")
-def get_player(session: ReadSession, who: Who) -> Player:
+def get_player(session: ReadSession, identity: Who) -> Player:
     """Return who is signed in."""
-    return Player.of(players.get(session, who.player_id), role=who.role)
+    return Player.of(players.get(session, identity.player_id), role=identity.role)
 
 
 @router.patch("/player")
-def update_player(session: WriteSession, who: Who, update: PlayerUpdate) -> Player:
+def update_player(session: WriteSession, identity: Who, update: PlayerUpdate) -> Player:
     """Change one's own name."""
-    row = players.get(session, who.player_id)
+    row = players.get(session, identity.player_id)
     players.rename(session, row, update.name)
-    return Player.of(row, role=who.role)
+    return Player.of(row, role=identity.role)
 
 
 @router.post("/sign-out", status_code=204, responses=NOT_FOUND)
-def sign_out(request: Request, response: Response, session: WriteSession, who: Who) -> None:
+def sign_out(request: Request, response: Response, session: WriteSession, identity: Who) -> None:
     """Sign this browser out. A key can't sign out; it is revoked."""
-    credentials.end(session, CredentialKind.BROWSER, who.credential_id, who.player_id)
+    credentials.end(session, CredentialKind.BROWSER, identity.credential_id, identity.player_id)
     response.delete_cookie(services_of(request).access.cookie_name, path="/", samesite="strict")
 
 
@@ -76,14 +76,16 @@ def list_people(
 
 
 @router.put("/people/{player_id}/role", status_code=204, responses={**NOT_FOUND, **CONFLICT})
-def change_role(session: WriteSession, who: Who, player_id: PersonsId, update: RoleUpdate) -> None:
+def change_role(
+    session: WriteSession, identity: Who, player_id: PersonsId, update: RoleUpdate
+) -> None:
     """Make somebody a researcher or a participant, which takes effect within seconds."""
-    roles.change(session, player_id, update.role, update.behaviour_id, who.player_id)
+    roles.change(session, player_id, update.role, update.behaviour_id, identity.player_id)
 
 
 @router.get("/browsers")
 def list_browsers(
-    session: ReadSession, who: Who, before: Before = None, limit: PageLimit = MAX_LISTED
+    session: ReadSession, identity: Who, before: Before = None, limit: PageLimit = MAX_LISTED
 ) -> list[Browser]:
     """Return the browsers that are signed in, the newest first.
 
@@ -96,16 +98,16 @@ def list_browsers(
             row,
             player=people[row.player_id].name,
             role=people[row.player_id].role,
-            present=row.id == who.credential_id,
+            present=row.id == identity.credential_id,
         )
         for row in rows
     ]
 
 
 @router.delete("/browsers/{browser_id}", status_code=204, responses=NOT_FOUND)
-def sign_browser_out(session: WriteSession, who: Who, browser_id: PersonsId) -> None:
+def sign_browser_out(session: WriteSession, identity: Who, browser_id: PersonsId) -> None:
     """Sign a browser out, which takes effect within seconds."""
-    credentials.end(session, CredentialKind.BROWSER, browser_id, who.player_id)
+    credentials.end(session, CredentialKind.BROWSER, browser_id, identity.player_id)
 
 
 @router.get("/keys")
@@ -117,17 +119,17 @@ def list_keys(session: ReadSession) -> list[Key]:
 
 
 @router.post("/keys", status_code=201, responses=CONFLICT)
-def create_key(request: Request, session: WriteSession, who: Who, new: KeyNew) -> NewKey:
+def create_key(request: Request, session: WriteSession, identity: Who, new: KeyNew) -> NewKey:
     """Make a key, to be sent as ``Authorization: Bearer KEY``."""
-    row, secret = credentials.make_key(session, who.player_id, new.name, new.role)
+    row, secret = credentials.make_key(session, identity.player_id, new.name, new.role)
     signed = services_of(request).access.secrets.signed(secret)
-    return NewKey.of(row, player=players.get(session, who.player_id).name, key=signed)
+    return NewKey.of(row, player=players.get(session, identity.player_id).name, key=signed)
 
 
 @router.delete("/keys/{key_id}", status_code=204, responses=NOT_FOUND)
-def revoke_key(session: WriteSession, who: Who, key_id: PersonsId) -> None:
+def revoke_key(session: WriteSession, identity: Who, key_id: PersonsId) -> None:
     """Revoke a key, which takes effect within seconds."""
-    credentials.end(session, CredentialKind.KEY, key_id, who.player_id)
+    credentials.end(session, CredentialKind.KEY, key_id, identity.player_id)
 
 
 @router.get("/invitations")
@@ -144,7 +146,7 @@ def list_invitations(
 
 @router.post("/invitations", status_code=201, responses=NOT_FOUND)
 def create_invitation(
-    request: Request, session: WriteSession, who: Who, new: InvitationNew
+    request: Request, session: WriteSession, identity: Who, new: InvitationNew
 ) -> NewInvitation:
     """Make a link that lets people in."""
     row, secret = invitations.make(
@@ -152,7 +154,7 @@ def create_invitation(
         new.name,
         new.role,
         new.behaviour_id,
-        by_player_id=who.player_id,
+        by_player_id=identity.player_id,
         max_uses=new.max_uses,
         days=new.days,
     )
@@ -161,9 +163,9 @@ def create_invitation(
 
 
 @router.delete("/invitations/{invitation_id}", status_code=204, responses=NOT_FOUND)
-def revoke_invitation(session: WriteSession, who: Who, invitation_id: PersonsId) -> None:
+def revoke_invitation(session: WriteSession, identity: Who, invitation_id: PersonsId) -> None:
     """Revoke a link. Those who have used it stay until they are signed out."""
-    invitations.revoke(session, invitation_id, who.player_id)
+    invitations.revoke(session, invitation_id, identity.player_id)
 
 
 @router.get("/audit")

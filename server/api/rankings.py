@@ -73,30 +73,36 @@ def get_ranking(session: ReadSession, behaviour_id: BehaviourId) -> Ranking:
 
 @router.put("", responses=NOT_FOUND | _CONFLICT)
 def save_ranking(
-    session: WriteSession, who: Who, behaviour_id: BehaviourId, update: RankingUpdate
+    session: WriteSession, identity: Who, behaviour_id: BehaviourId, update: RankingUpdate
 ) -> Ranking:
     """Save a ranking."""
     behaviours.get(session, behaviour_id)
-    row = rankings.save(session, behaviour_id, update.base_revision, update.tiers, who.player_id)
+    row = rankings.save(
+        session, behaviour_id, update.base_revision, update.tiers, identity.player_id
+    )
     return _view(session, row)
 
 
 @router.post("/undo", responses=NOT_FOUND | _CONFLICT)
 def undo_ranking(
-    session: WriteSession, who: Who, behaviour_id: BehaviourId, step: RankingStep
+    session: WriteSession, identity: Who, behaviour_id: BehaviourId, step: RankingStep
 ) -> Ranking:
     """Undo the last change."""
     behaviours.get(session, behaviour_id)
-    return _view(session, rankings.undo(session, behaviour_id, step.base_revision, who.player_id))
+    return _view(
+        session, rankings.undo(session, behaviour_id, step.base_revision, identity.player_id)
+    )
 
 
 @router.post("/redo", responses=NOT_FOUND | _CONFLICT)
 def redo_ranking(
-    session: WriteSession, who: Who, behaviour_id: BehaviourId, step: RankingStep
+    session: WriteSession, identity: Who, behaviour_id: BehaviourId, step: RankingStep
 ) -> Ranking:
     """Redo the change that was undone last."""
     behaviours.get(session, behaviour_id)
-    return _view(session, rankings.redo(session, behaviour_id, step.base_revision, who.player_id))
+    return _view(
+        session, rankings.redo(session, behaviour_id, step.base_revision, identity.player_id)
+    )
 
 
 @router.get("/revisions", responses=NOT_FOUND)
@@ -114,13 +120,13 @@ def list_ranking_revisions(
 
 @router.post("/games", status_code=201, responses=NOT_FOUND | CONFLICT)
 def add_games(
-    session: WriteSession, who: Who, behaviour_id: BehaviourId, games: BorrowedGames
+    session: WriteSession, identity: Who, behaviour_id: BehaviourId, games: BorrowedGames
 ) -> list[Recording]:
     """Borrow games for the ranking, unranked, and return them; those borrowed already stay so."""
     behaviours.get(session, behaviour_id)
     borrowed.borrow(session, behaviour_id, games.recording_ids)
     rows = recordings.by_ids(session, games.recording_ids)
-    return RecordingViews(session, who, behaviour_id).all(rows[key] for key in sorted(rows))
+    return RecordingViews(session, identity, behaviour_id).all(rows[key] for key in sorted(rows))
 
 
 @slow_router.get("/ranking/opinion", responses=NOT_FOUND)
@@ -133,13 +139,13 @@ def get_ranking_opinion(request: Request, behaviour_id: BehaviourId) -> RankingO
         perfect = recordings.perfect_ids(session, behaviour_id)
         unranked = rankings.unranked(session, row)[:MAX_UNRANKED_OPINIONS]
         rows = recordings.by_ids(session, {*ranking.items, *unranked, *perfect})
-        hits = {key: Hits.of(one.taken, one.n_frames) for key, one in rows.items()}
+        hits = {key: Hits.of(row.taken, row.n_frames) for key, row in rows.items()}
     opinions = form_opinions(ranking, hits, perfect)
     if opinions is None:
         return RankingOpinion(revision=revision, games=[], wanted=None)
     return RankingOpinion(
         revision=revision,
-        games=[GameOpinion.of(one, recording_id=key) for key, one in opinions.of.items()],
+        games=[GameOpinion.of(opinion, recording_id=key) for key, opinion in opinions.of.items()],
         wanted=WantedAliens.of(opinions.labels.tolist(), opinions.in_order.tolist()),
     )
 
@@ -158,49 +164,52 @@ def understand_ranking(
         game = game_of(behaviours.as_behaviour(behaviour))
         order = rankings.without_unrankable(session, behaviour_id, normalise(shown.tiers))
         best = recordings.perfect_ids(session, behaviour_id)
-        said = answers.current(session, behaviour_id)
+        given_answers = answers.current(session, behaviour_id)
 
     def recordings_of(ids: Sequence[int]) -> dict[int, StoredRecording]:
         with services.database.reading() as session:
             rows = recordings.by_ids(session, ids)
-            return {key: recordings.as_recording(row).as_seen_in(game) for key, row in rows.items()}
+            return {
+                key: recordings.as_recording(row).with_hidden_areas_of(game)
+                for key, row in rows.items()
+            }
 
-    told = services.order_reader.read(
+    understood = services.order_reader.read(
         game,
         order.tiers,
         best,
-        [Answer(frozenset(one.subjects), one.meant) for one in said],
+        [Answer(frozenset(answer.subjects), answer.meant) for answer in given_answers],
         recordings_of,
     )
     pictured = services.vocabularies.pictured(game)
     picture = f"/api/behaviours/{behaviour_id}/ranking/things/{{}}.png?v={vocabulary_key(game)}"
     return Understanding(
-        state=told.state,
-        progress=round(told.progress, 3),
+        state=understood.state,
+        progress=round(understood.progress, 3),
         statements=[
             UnderstoodStatement(
-                subjects=list(one.subjects),
-                sentence=one.sentence,
-                probability=round(one.probability, 3),
-                pictures=[picture.format(kind) for kind in one.kinds if kind in pictured],
+                subjects=list(statement.subjects),
+                sentence=statement.sentence,
+                probability=round(statement.probability, 3),
+                pictures=[picture.format(kind) for kind in statement.kinds if kind in pictured],
             )
-            for one in told.statements
+            for statement in understood.statements
         ],
-        is_sense=told.is_sense,
-        values={key: round(value, 3) for key, value in told.values.items()},
-        contradiction=told.contradiction and ContradictingGames.of(told.contradiction),
-        answers=said,
+        is_sense=understood.is_sense,
+        values={key: round(value, 3) for key, value in understood.values.items()},
+        contradiction=understood.contradiction and ContradictingGames.of(understood.contradiction),
+        answers=given_answers,
     )
 
 
 @router.put("/answers", responses=NOT_FOUND)
 def answer_statement(
-    session: WriteSession, who: Who, behaviour_id: BehaviourId, answer: StatementAnswerUpdate
+    session: WriteSession, identity: Who, behaviour_id: BehaviourId, answer: StatementAnswerUpdate
 ) -> list[StatementAnswer]:
     """Answer a statement, or take an answer back; return the answers that count."""
     behaviours.get(session, behaviour_id)
     answers.give(
-        session, behaviour_id, answer.subjects, answer.sentence, answer.meant, who.player_id
+        session, behaviour_id, answer.subjects, answer.sentence, answer.meant, identity.player_id
     )
     return answers.current(session, behaviour_id)
 
@@ -222,25 +231,27 @@ def get_thing_picture(
     services = services_of(request)
     with services.database.reading() as session:
         game = game_of(behaviours.as_behaviour(behaviours.get(session, behaviour_id)))
-    kept = "private, max-age=31536000, immutable"
+    cache_control = "private, max-age=31536000, immutable"
     return Response(
         services.vocabularies.picture(game, kind),
         media_type="image/png",
-        headers={"Cache-Control": kept if v == vocabulary_key(game) else "private, no-cache"},
+        headers={
+            "Cache-Control": cache_control if v == vocabulary_key(game) else "private, no-cache"
+        },
     )
 
 
 @borrowed_router.get("", response_model=Library, responses=NOT_FOUND)
-def list_borrowed_games(session: ReadSession, who: Who, behaviour_id: BehaviourId) -> Response:
+def list_borrowed_games(session: ReadSession, identity: Who, behaviour_id: BehaviourId) -> Response:
     """Return the games that a behaviour has borrowed, in brief, newest first."""
     behaviour = behaviours.get(session, behaviour_id)
     brief = library.borrowed(session, behaviour_id)
-    return library_response(session, who, behaviour, brief, borrowed=True)
+    return library_response(session, identity, behaviour, brief, borrowed=True)
 
 
 @slow_router.post("/borrowed", status_code=201, responses=NOT_FOUND)
 def add_varied_games(
-    request: Request, who: Who, behaviour_id: BehaviourId, wish: VariedGamesWish
+    request: Request, identity: Who, behaviour_id: BehaviourId, wish: VariedGamesWish
 ) -> list[Recording]:
     """Add games of other behaviours and of varied play, unranked, and return them."""
     services = services_of(request)
@@ -255,7 +266,7 @@ def add_varied_games(
     )
     with services.database.reading() as session:
         rows = recordings.by_ids(session, ids)
-        return RecordingViews(session, who, behaviour_id).all(rows[key] for key in ids)
+        return RecordingViews(session, identity, behaviour_id).all(rows[key] for key in ids)
 
 
 @borrowed_router.delete("/{recording_id}", status_code=204, responses=NOT_FOUND | CONFLICT)
@@ -277,8 +288,8 @@ async def on_conflict(request: Request, error: Exception) -> Response:
 def _conflict(request: Request, error: rankings.RankingConflict) -> dict[str, object]:
     with services_of(request).database.reading() as session:
         current = _view(session, rankings.current(session, error.behaviour_id))
-    yours = current.tiers if error.yours is None else [list(tier) for tier in error.yours]
-    conflict = RankingConflict(detail=str(error), current=current, yours=yours)
+    tiers = current.tiers if error.yours is None else [list(tier) for tier in error.yours]
+    conflict = RankingConflict(detail=str(error), current=current, yours=tiers)
     return conflict.model_dump(mode="json")
 
 

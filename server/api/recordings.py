@@ -70,7 +70,7 @@ _CHANGED = (
 @router.get("/behaviours/{behaviour_id}/recordings", responses=NOT_FOUND)
 def list_recordings(
     session: ReadSession,
-    who: Who,
+    identity: Who,
     behaviour_id: BehaviourId,
     include: Annotated[list[Literal["deleted", "policy"]] | None, Query(max_length=2)] = None,
     before: Annotated[
@@ -91,12 +91,12 @@ def list_recordings(
         with_deleted="deleted" in included,
         with_policies="policy" in included,
         with_undecided=True,
-        only_of=who.sees_only,
+        only_of=identity.visible_player_id,
         undecided_only=undecided,
         before=before,
         limit=limit,
     )
-    return RecordingViews(session, who).all(rows)
+    return RecordingViews(session, identity).all(rows)
 
 
 @router.get(
@@ -106,7 +106,7 @@ def list_recordings(
 )
 def get_library(
     session: ReadSession,
-    who: Who,
+    identity: Who,
     behaviour_id: BehaviourId,
     since: Annotated[
         int | None,
@@ -120,15 +120,15 @@ def get_library(
     """
     behaviour = behaviours.get(session, behaviour_id)
     brief = library.brief(
-        session, behaviour_id, since=since, with_deleted=deleted, only_of=who.sees_only
+        session, behaviour_id, since=since, with_deleted=deleted, only_of=identity.visible_player_id
     )
-    return library_response(session, who, behaviour, brief)
+    return library_response(session, identity, behaviour, brief)
 
 
 @router.get("/behaviours/{behaviour_id}/library/recordings", responses=NOT_FOUND)
 def list_shown_recordings(
     session: ReadSession,
-    who: Who,
+    identity: Who,
     behaviour_id: BehaviourId,
     recording: Annotated[list[RecordingId], Query(min_length=1, max_length=MAX_SHOWN)],
 ) -> list[Recording]:
@@ -138,8 +138,8 @@ def list_shown_recordings(
     own.
     """
     behaviours.get(session, behaviour_id)
-    rows = library.shown(session, behaviour_id, recording, who.sees_only)
-    return RecordingViews(session, who, behaviour_id).all(rows)
+    rows = library.shown(session, behaviour_id, recording, identity.visible_player_id)
+    return RecordingViews(session, identity, behaviour_id).all(rows)
 
 
 @router.post(
@@ -148,17 +148,17 @@ def list_shown_recordings(
     responses=NOT_FOUND | CONFLICT,
 )
 def change_recordings(
-    session: WriteSession, who: Who, behaviour_id: BehaviourId, body: RecordingsChange
+    session: WriteSession, identity: Who, behaviour_id: BehaviourId, body: RecordingsChange
 ) -> None:
     """Delete, restore or mark several recordings, all or none."""
     rows = _of_behaviour(session, behaviour_id, body.recording_ids, *_CHANGED)
     if body.change == "delete":
-        recordings.delete(session, rows, who.player_id)
+        recordings.delete(session, rows, identity.player_id)
     elif body.change == "restore":
-        recordings.restore(session, rows, who.player_id)
+        recordings.restore(session, rows, identity.player_id)
     else:
         perfect = body.change == "mark_perfect"
-        recordings.mark(session, rows, perfect, who.player_id)
+        recordings.mark(session, rows, perfect, identity.player_id)
 
 
 @router.get(
@@ -169,14 +169,14 @@ def change_recordings(
 def export_recordings(
     request: Request,
     session: ReadSession,
-    who: Who,
+    identity: Who,
     behaviour_id: BehaviourId,
     recording: Annotated[
         list[RecordingId] | None, Query(max_length=500, description="Only these.")
     ] = None,
 ) -> Response:
     """Return a behaviour's recordings as JSON Lines, ranked ones first from best to worst."""
-    return _exported(request, session, who, behaviour_id, recording)
+    return _exported(request, session, identity, behaviour_id, recording)
 
 
 @router.post(
@@ -187,16 +187,16 @@ def export_recordings(
 def export_chosen_recordings(
     request: Request,
     session: ReadSession,
-    who: Who,
+    identity: Who,
     behaviour_id: BehaviourId,
     chosen: ChosenRecordings,
 ) -> Response:
     """Return recordings of a behaviour as JSON Lines: more than an address can name."""
-    return _exported(request, session, who, behaviour_id, chosen.recording_ids)
+    return _exported(request, session, identity, behaviour_id, chosen.recording_ids)
 
 
 def _exported(
-    request: Request, session: Session, who: Identity, behaviour_id: int, ids: list[int] | None
+    request: Request, session: Session, identity: Identity, behaviour_id: int, ids: list[int] | None
 ) -> Response:
     row = behaviours.get(session, behaviour_id)
     if ids is not None:
@@ -209,7 +209,7 @@ def _exported(
             for item in recording_transfer.export_recordings(session, behaviour_id, ids):
                 file.write(f"{json.dumps(item)}\n")
                 n_written += 1
-        _note_export(request, who, f"behaviour {behaviour_id}", recordings=n_written)
+        _note_export(request, identity, f"behaviour {behaviour_id}", recordings=n_written)
     except BaseException:
         os.unlink(name)
         raise
@@ -222,55 +222,55 @@ def _exported(
 
 
 @router.get("/recordings/{recording_id}", responses=NOT_FOUND)
-def get_recording(session: ReadSession, who: Who, recording_id: RecordingId) -> Recording:
+def get_recording(session: ReadSession, identity: Who, recording_id: RecordingId) -> Recording:
     """Return a recording, even a deleted one."""
-    return RecordingViews(session, who).view(recordings.get(session, recording_id))
+    return RecordingViews(session, identity).view(recordings.get(session, recording_id))
 
 
 @router.patch("/recordings/{recording_id}", responses=NOT_FOUND | CONFLICT)
 def update_recording(
-    session: WriteSession, who: Who, recording_id: RecordingId, update: RecordingUpdate
+    session: WriteSession, identity: Who, recording_id: RecordingId, update: RecordingUpdate
 ) -> Recording:
     """Mark a recording as perfect or not, or change its notes."""
     row = recordings.get(session, recording_id)
-    recordings.update(session, row, update.perfect, update.notes, who.player_id)
-    return RecordingViews(session, who).view(row)
+    recordings.update(session, row, update.perfect, update.notes, identity.player_id)
+    return RecordingViews(session, identity).view(row)
 
 
 @router.delete("/recordings/{recording_id}", status_code=204, responses=NOT_FOUND | CONFLICT)
-def delete_recording(session: WriteSession, who: Who, recording_id: RecordingId) -> None:
+def delete_recording(session: WriteSession, identity: Who, recording_id: RecordingId) -> None:
     """Delete a recording; it can be restored."""
     row = recordings.get(session, recording_id)
-    recordings.delete(session, [row], who.player_id)
+    recordings.delete(session, [row], identity.player_id)
 
 
 @router.post("/recordings/{recording_id}/keep", responses=NOT_FOUND | CONFLICT)
-def keep_recording(session: WriteSession, who: Who, recording_id: RecordingId) -> Recording:
+def keep_recording(session: WriteSession, identity: Who, recording_id: RecordingId) -> Recording:
     """Put a finished game into the library."""
     row = recordings.get(session, recording_id)
     recordings.keep(session, row)
-    return RecordingViews(session, who).view(row)
+    return RecordingViews(session, identity).view(row)
 
 
 @router.post("/recordings/{recording_id}/discard", responses=NOT_FOUND | CONFLICT)
-def discard_recording(session: WriteSession, who: Who, recording_id: RecordingId) -> Recording:
+def discard_recording(session: WriteSession, identity: Who, recording_id: RecordingId) -> Recording:
     """Delete a recording and return it; it can be restored."""
     row = recordings.get(session, recording_id)
-    recordings.delete(session, [row], who.player_id)
-    return RecordingViews(session, who).view(row)
+    recordings.delete(session, [row], identity.player_id)
+    return RecordingViews(session, identity).view(row)
 
 
 @router.post("/recordings/{recording_id}/restore", responses=NOT_FOUND | CONFLICT)
-def restore_recording(session: WriteSession, who: Who, recording_id: RecordingId) -> Recording:
+def restore_recording(session: WriteSession, identity: Who, recording_id: RecordingId) -> Recording:
     """Restore a deleted recording, in the rankings too."""
     row = recordings.get(session, recording_id)
-    recordings.restore(session, [row], who.player_id)
-    return RecordingViews(session, who).view(row)
+    recordings.restore(session, [row], identity.player_id)
+    return RecordingViews(session, identity).view(row)
 
 
 @router.get("/recordings/{recording_id}/course", responses=NOT_FOUND)
 def get_recording_course(
-    session: ReadSession, who: Who, recording_id: RecordingId
+    session: ReadSession, identity: Who, recording_id: RecordingId
 ) -> RecordingCourse:
     """Return the action of every frame, and the recordings that this one is related to."""
     row = recordings.get(session, recording_id)
@@ -278,10 +278,10 @@ def get_recording_course(
     names = sorted(recording.game.memory_names.items())
     return RecordingCourse(
         actions=list(row.actions),
-        parent=parent_of(session, who, row),
+        parent=parent_of(session, identity, row),
         branches=[
             Branch(recording_id=branch.id, frame=branch.parent_frame)
-            for branch in recordings.branches(session, row.id, who.sees_only)
+            for branch in recordings.branches(session, row.id, identity.visible_player_id)
             if branch.parent_frame is not None
         ],
         conditions=shown_json(row.conditions),
@@ -296,7 +296,7 @@ def get_recording_course(
     responses=NOT_FOUND | {200: {"content": {"application/json": {"schema": {"type": "object"}}}}},
 )
 def export_recording(
-    request: Request, session: ReadSession, who: Who, recording_id: RecordingId
+    request: Request, session: ReadSession, identity: Who, recording_id: RecordingId
 ) -> Response:
     """Return a recording in the exchange format.
 
@@ -304,9 +304,9 @@ def export_recording(
     """
     row = recordings.get(session, recording_id)
     content = recording_transfer.export_recording(session, row)
-    if who.is_participant:
+    if identity.is_participant:
         content = {key: content[key] for key in content.keys() - RESEARCHERS_MEMBERS}
-    _note_export(request, who, f"recording {row.id}")
+    _note_export(request, identity, f"recording {row.id}")
     return Response(
         json.dumps(content, indent=2),
         media_type="application/json",
@@ -314,10 +314,10 @@ def export_recording(
     )
 
 
-def _note_export(request: Request, who: Identity, subject: str, **details: int) -> None:
+def _note_export(request: Request, identity: Identity, subject: str, **details: int) -> None:
     """Log an export in a transaction of its own, since what is exported is read in another."""
     with services_of(request).database.writing() as session:
-        audit.note(session, audit.Action.EXPORTED, who.player_id, subject, **details)
+        audit.note(session, audit.Action.EXPORTED, identity.player_id, subject, **details)
 
 
 def _of_behaviour(

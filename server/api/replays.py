@@ -47,7 +47,7 @@ class _Source:
     Attributes:
         recording: The recording.
         cache: Replays it.
-        cache_control: How long a browser may keep the answer.
+        cache_control: Cache-Control header of the response.
     """
 
     recording: Recording
@@ -81,9 +81,9 @@ def _source(
 Source = Annotated[_Source, Depends(_source)]
 
 
-def _file_route(*media_types: str, **more: Any) -> dict[str, Any]:
-    """Return what the routes of a recording's files have in common."""
-    file = {"content": {media_type: {} for media_type in media_types}, **more}
+def _file_route(*media_types: str, **extra_content: Any) -> dict[str, Any]:
+    """Return the common arguments of the routes of a recording's files."""
+    file = {"content": {media_type: {} for media_type in media_types}, **extra_content}
     return {
         "response_class": Response,
         "responses": NOT_FOUND | {200: file},
@@ -151,7 +151,7 @@ def _as_learned_from(session: Session, run_id: RunId, recording_id: int) -> Reco
     behaviour_id = runs.get(session, str(run_id)).behaviour_id
     taught = behaviours.as_behaviour(session.get_one(BehaviourRow, behaviour_id))
     row = recordings.get(session, recording_id)
-    return recordings.as_recording(row).as_seen_in(game_of(taught))
+    return recordings.as_recording(row).with_hidden_areas_of(game_of(taught))
 
 
 @router.get("/runs/{run_id}/reward/{recording_id}", responses=NOT_FOUND, tags=["runs"])
@@ -162,15 +162,17 @@ def get_reward_trace(request: Request, run_id: RunId, recording_id: RecordingId)
         recording = _as_learned_from(session, run_id, recording_id)
     content = services.replay_cache.get(recording, ReplayTask.OBSERVATIONS)
     judged = services.inference.judge(str(run_id), read_observations(content))
-    zero, one = services.inference.scale(str(run_id))
+    zero_level, unit_level = services.inference.scale(str(run_id))
     deviations = judged.deviations
     return RewardTrace(
         run_id=str(run_id),
         recording_id=recording_id,
         rewards=judged.rewards.tolist(),
-        levels=((judged.rewards - zero) / (one - zero)).tolist(),
+        levels=((judged.rewards - zero_level) / (unit_level - zero_level)).tolist(),
         reward_deviations=None if deviations is None else deviations.tolist(),
-        level_deviations=None if deviations is None else (deviations / (one - zero)).tolist(),
+        level_deviations=None
+        if deviations is None
+        else (deviations / (unit_level - zero_level)).tolist(),
     )
 
 
@@ -216,7 +218,7 @@ async def get_attention(
             recording = _as_learned_from(session, run_id, recording_id)
         content = services.replay_cache.get(recording, ReplayTask.OBSERVATIONS)
         observation = read_observation(content, step)
-        found = services.inference.attention(
+        attention = services.inference.attention(
             str(run_id),
             observation,
             network,
@@ -224,8 +226,8 @@ async def get_attention(
             given_up.is_set,
             recording.game.screen.background,
         )
-        headers = {} if found.action is None else {ACTION_HEADER: str(int(found.action))}
-        return Response(found.values.tobytes(), headers=headers, media_type=_BYTES)
+        headers = {} if attention.action is None else {ACTION_HEADER: str(int(attention.action))}
+        return Response(attention.values.tobytes(), headers=headers, media_type=_BYTES)
 
     async def watch() -> None:
         while not await request.is_disconnected():

@@ -36,8 +36,8 @@ def get_system(request: Request, session: ReadSession) -> System:
     return System(
         version=__version__,
         processes=[
-            ProcessStatus.of(found, **{name: found.details.get(name) for name in _DEVICE})
-            for found in processes.statuses(session)
+            ProcessStatus.of(status, **{name: status.details.get(name) for name in _DEVICE})
+            for status in processes.statuses(session)
         ],
         disk_free_bytes=shutil.disk_usage(settings.data).free,
         data_bytes=use.total_bytes,
@@ -47,26 +47,28 @@ def get_system(request: Request, session: ReadSession) -> System:
 
 
 @joining_router.post("/workers", responses=CONFLICT)
-def let_worker_in(request: Request, who: Who, worker: WorkerJoining) -> SharedPlaces:
+def let_worker_in(request: Request, identity: Who, worker: WorkerJoining) -> SharedPlaces:
     """Tell a worker of another machine where database, queue and files of runs are.
 
     Only a worker's key may ask: the answer has whatever credentials the addresses contain.
     """
-    here = (__version__, schema_revision())
-    if (worker.version, worker.revision) != here:
+    server_version = (__version__, schema_revision())
+    if (worker.version, worker.revision) != server_version:
         raise Conflict(
-            f"This server is version {here[0]} with schema {here[1]}, the worker is version"
-            f" {worker.version} with schema {worker.revision}. Install the server's version on the"
-            " worker's machine."
+            f"This server is version {server_version[0]} with schema {server_version[1]}, the"
+            f" worker is version {worker.version} with schema {worker.revision}. Install the"
+            " server's version on the worker's machine."
         )
     services = services_of(request)
     refuse_unshared(services.settings)
-    path, content = probe_of(who)
+    path, content = probe_of(identity)
     if not services.artifacts.exists(path):
         services.artifacts.put(path, content.encode())
     # Not before: nobody else could write while the artifact store is slow.
     with services.database.writing() as session:
-        audit.note(session, audit.Action.WORKER_LET_IN, who.player_id, f"key {who.credential_id}")
+        audit.note(
+            session, audit.Action.WORKER_LET_IN, identity.player_id, f"key {identity.credential_id}"
+        )
     return SharedPlaces(
         database_url=services.settings.application_url,
         jobs_database_url=services.settings.queue_url,

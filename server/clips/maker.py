@@ -25,8 +25,8 @@ class ClipMaker:
     """Makes one clip at a time; thread-safe.
 
     Args:
-        timeout_s: How long a clip may take.
-        max_waiting: How many requests may wait before further ones are refused.
+        timeout_s: Timeout of a clip.
+        max_waiting: Most waiting requests; further ones are refused.
     """
 
     def __init__(self, timeout_s: float = TIMEOUT_S, max_waiting: int = MAX_WAITING) -> None:
@@ -45,10 +45,10 @@ class ClipMaker:
 
     def _run(self, request: bytes) -> bytes:
         command = [sys.executable, "-m", "server.clips"]
-        done = run_program(command, self._timeout_s, "clip", request)
-        if done.returncode == REFUSED:
-            raise Invalid(done.stderr.decode(errors="replace"))
-        if done.returncode != 0 or not done.stdout:
-            _LOG.error("A clip could not be made: %s", done.stderr.decode(errors="replace"))
+        result = run_program(command, self._timeout_s, "clip", request)
+        if result.returncode == REFUSED:
+            raise Invalid(result.stderr.decode(errors="replace"))
+        if result.returncode != 0 or not result.stdout:
+            _LOG.error("A clip could not be made: %s", result.stderr.decode(errors="replace"))
             raise Unavailable("The clip could not be made; the server's log says why.")
-        return done.stdout
+        return result.stdout

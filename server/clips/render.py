@@ -51,7 +51,7 @@ def render(recording: Recording, kind: ClipKind, console: Console | None = None)
     if kind is ClipKind.MP4:
         return _mp4(frames, screen, clock.frame_rate_hz)
     n = frames_per_picture(clock)
-    pictures = (_picture(shown, screen) for shown in _joined(frames, n, screen))
+    pictures = (_picture(frame, screen) for frame in _joined(frames, n, screen))
     picture_ms = n * 1000 // clock.frame_rate_hz
     if kind is ClipKind.GIF:
         return _animated(pictures, "GIF", picture_ms, optimize=False, disposal=1)
@@ -85,22 +85,22 @@ def _joined(frames: Iterator[Screen], n: int, screen: ScreenSpec) -> Iterator[Sc
         yield among[-1] if gray is None else brightest(np.array(among), gray)
 
 
-def brightest(among: npt.NDArray[np.uint8], grayscale: npt.NDArray[np.uint8]) -> Screen:
+def brightest(frames: npt.NDArray[np.uint8], grayscale: npt.NDArray[np.uint8]) -> Screen:
     """Return the pixel-wise brightest of screens of palette values.
 
     Args:
-        among: The screens, uint8 (n, height, width).
+        frames: The screens, uint8 (n, height, width).
         grayscale: Grays by palette value, uint8 (256,).
     """
-    at = grayscale[among].argmax(axis=0)[None]
-    shown: Screen = np.take_along_axis(among, at, axis=0)[0]
-    return shown
+    at = grayscale[frames].argmax(axis=0)[None]
+    pixels: Screen = np.take_along_axis(frames, at, axis=0)[0]
+    return pixels
 
 
-def _picture(shown: Screen, screen: ScreenSpec) -> Image.Image:
+def _picture(pixels: Screen, screen: ScreenSpec) -> Image.Image:
     if screen.palette is None:
-        return Image.fromarray(shown)
-    picture = Image.fromarray(shown.repeat(CONSOLE_WIDTH_SCALE, axis=1))
+        return Image.fromarray(pixels)
+    picture = Image.fromarray(pixels.repeat(CONSOLE_WIDTH_SCALE, axis=1))
     picture.putpalette(screen.palette.tobytes())
     return picture
 
@@ -135,8 +135,8 @@ def _mp4(frames: Iterable[Screen], screen: ScreenSpec, frame_rate_hz: int) -> by
             stream.pix_fmt = "yuv420p"
             stream.options = {"crf": _CRF, "preset": "veryfast"}
             stream.codec_context.thread_count = 1
-            for shown in frames:
-                colours = _ycbcr(shown) if table is None else table[:, shown]
+            for frame in frames:
+                colours = _ycbcr(frame) if table is None else table[:, frame]
                 planes = _planes(colours.repeat(width_scale, axis=2))
                 file.mux(stream.encode(av.VideoFrame.from_ndarray(planes, format="yuv420p")))
             file.mux(stream.encode())

@@ -35,5 +35,5 @@ def read_request(content: bytes) -> tuple[Recording, ClipKind]:
     Raises:
         RecordingRefused: The replay differs from what was recorded.
     """
-    given = json.loads(content)
-    return load_recording(given["recording"]).recording, ClipKind(given["kind"])
+    request = json.loads(content)
+    return load_recording(request["recording"]).recording, ClipKind(request["kind"])

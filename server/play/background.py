@@ -62,9 +62,9 @@ class PeriodicTask:
 
     async def _run(self) -> None:
         loop = asyncio.get_running_loop()
-        due = loop.time() + (0.0 if self._at_once else self._period_s)
+        next_run = loop.time() + (0.0 if self._at_once else self._period_s)
         while True:
-            await asyncio.sleep(max(0.0, due - loop.time()))
+            await asyncio.sleep(max(0.0, next_run - loop.time()))
             try:
                 await self._work()
             except Unavailable as error:
@@ -75,7 +75,7 @@ class PeriodicTask:
                 _LOG.exception("The task %r failed; it is run again.", self.name)
             else:
                 self.n_failures = 0
-            due = max(due + self._period_s, loop.time() + self._pause_s())
+            next_run = max(next_run + self._period_s, loop.time() + self._pause_s())
 
     def _pause_s(self) -> float:
         if not self.n_failures:

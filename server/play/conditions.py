@@ -54,10 +54,10 @@ class BegunBy(BaseModel):
     """The policy that played the first frames of a game, before a person took over.
 
     Attributes:
-        run_id: Its run.
+        run_id: Run of the policy.
         policy: "imitator" or "clone".
-        action_selection: How its actions were selected.
-        frames: How many frames it played, those of an opening included.
+        action_selection: Action selection of the policy.
+        frames: Number of frames that the policy played, including an opening.
     """
 
     model_config = ConfigDict(extra="forbid")
@@ -144,7 +144,7 @@ class PlayConditions(BaseModel):
 
     def until(self, frame: int) -> Self:
         """Return the conditions of the frames up to this one, keeping the current speed."""
-        kept = type(self)(
+        conditions = type(self)(
             presses=[(at, ms) for at, ms in self.presses if at <= frame],
             dropped=[at for at in self.dropped if at <= frame],
             speeds=[(at, percent) for at, percent in self.speeds if at < frame],
@@ -152,8 +152,8 @@ class PlayConditions(BaseModel):
             pauses=[at for at in self.pauses if at <= frame],
             begun_by=self._begun_by_until(frame),
         )
-        kept.set_speed(frame, self.speed_percent)
-        return kept
+        conditions.set_speed(frame, self.speed_percent)
+        return conditions
 
     def _begun_by_until(self, frame: int) -> BegunBy | None:
         if self.begun_by is None or frame == 0:

@@ -100,9 +100,9 @@ class ConsolePool:
             if any(console is idle for idle in self._idle):
                 raise ValueError("Expected a console that was taken, got an idle one.")
             self._idle.append(console)
-            others = [idle for idle in self._idle if idle.game.name != self._game]
-            if len(others) > MAX_IDLE_OTHERS:
-                surplus = others[: len(others) - MAX_IDLE_OTHERS]
+            other_games = [idle for idle in self._idle if idle.game.name != self._game]
+            if len(other_games) > MAX_IDLE_OTHERS:
+                surplus = other_games[: len(other_games) - MAX_IDLE_OTHERS]
                 self._idle = [idle for idle in self._idle if idle not in surplus]
             self._changed.notify_all()
         for idle in surplus:

@@ -52,7 +52,7 @@ class PlayHub:
         limits: Limits on the number of open games, over all processes.
 
     Attributes:
-        lateness: How late frames began since the process started.
+        lateness: Lateness of frames since the process started.
     """
 
     def __init__(
@@ -82,7 +82,7 @@ class PlayHub:
         self._tasks = (
             PeriodicTask("save", self._save_due, rules.save_every_s / N_SLOTS),
             PeriodicTask("idle", self._unload_idle, rules.sweep_every_s),
-            PeriodicTask("abandoned", self._clear_up, rules.sweep_every_s, at_once=True),
+            PeriodicTask("abandoned", self._remove_abandoned, rules.sweep_every_s, at_once=True),
             PeriodicTask("lateness", self._report_lateness, REPORT_EVERY_S),
         )
 
@@ -122,7 +122,7 @@ class PlayHub:
         async with self._lock_of(game_id):
             if game_id not in self._sessions:
                 await self._ownership.check_open(game_id)
-            async with self._place_for(game_id):
+            async with self._slot_for(game_id):
                 self._replays.prepare()
                 while True:
                     session = await self._acquire(game_id, tab)
@@ -148,25 +148,25 @@ class PlayHub:
         return self._locks.setdefault(game_id, asyncio.Lock())
 
     @asynccontextmanager
-    async def _place_for(self, game_id: str) -> AsyncIterator[None]:
-        """Reserve a place for a game, if need be by unloading one without a page."""
+    async def _slot_for(self, game_id: str) -> AsyncIterator[None]:
+        """Reserve a slot for a game, if need be by unloading a game without a page."""
         self._joining.add(game_id)
         try:
             n_taken = self.n_games + self._watched.n_open
             if n_taken > self._rules.max_games and game_id not in self._sessions:
-                await self._unload_one()
+                await self._unload_longest_left()
             yield
         finally:
             self._joining.remove(game_id)
 
-    async def _unload_one(self) -> None:
+    async def _unload_longest_left(self) -> None:
         for session in sorted(self._sessions.values(), key=lambda session: session.left_at):
             lock = self._lock_of(session.game_id)
-            if not _is_left(session) or lock.locked():
+            if not _is_abandoned(session) or lock.locked():
                 continue
             async with lock:
                 # Somebody may have waited for the lock before.
-                is_still_left = _is_left(session) and self._holds(session)
+                is_still_left = _is_abandoned(session) and self._holds(session)
                 if is_still_left and await self._unload(session):
                     return
         raise TooManyGames("This process plays as many games as it can; join again.")
@@ -183,18 +183,18 @@ class PlayHub:
             for session in self._sessions.values()
             if session.needs_saving and session.phase is not Phase.ENDED
         }
-        due = games_due(tried_at, now, self._rules.save_every_s)
-        if not due:
+        due_sessions = games_due(tried_at, now, self._rules.save_every_s)
+        if not due_sessions:
             return
-        for session in due:
+        for session in due_sessions:
             session.save_tried_at = now
         try:
-            lost = await self._ownership.save([session.game for session in due])
+            lost = await self._ownership.save([session.game for session in due_sessions])
         except Unavailable as error:
-            for session in due:
+            for session in due_sessions:
                 await session.pause(str(error))
             return
-        for session in due:
+        for session in due_sessions:
             if session.game in lost:
                 await self._drop_lost(session)
 
@@ -221,7 +221,7 @@ class PlayHub:
             await self._ownership.release(session.game)
             await self._ownership.end_abandoned(session.game_id, timedelta(0))
 
-    async def _clear_up(self) -> None:
+    async def _remove_abandoned(self) -> None:
         await self._ownership.clear_up(self._rules, self._sessions)
 
     async def _report_lateness(self) -> None:
@@ -298,5 +298,5 @@ class PlayHub:
         return is_held
 
 
-def _is_left(session: PlaySession) -> bool:
+def _is_abandoned(session: PlaySession) -> bool:
     return session.connection is None and session.phase is Phase.WAITING

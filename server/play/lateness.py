@@ -54,10 +54,10 @@ class Lateness:
             share: 0 to 1, e.g. 0.99.
         """
         rank = max(1, math.ceil(share * self.n_frames))
-        seen = 0
+        n_seen = 0
         for n, count in enumerate(self._counts, start=1):
-            seen += count
-            if seen >= rank:
+            n_seen += count
+            if n_seen >= rank:
                 return n * BIN_MS
         return None
 

@@ -24,7 +24,7 @@ class WatchedGames:
 
     Attributes:
         process: Name of this process.
-        of_players: How many there are of each person.
+        of_players: Number of watched games of each player.
     """
 
     process: str = ""
@@ -36,20 +36,20 @@ class WatchedGames:
         return self.of_players.total()
 
     def details(self) -> dict[str, dict[str, int]]:
-        """Return what the heartbeat says of them, JSON-serialisable."""
-        held = {str(player): count for player, count in dict(self.of_players).items() if count}
-        return {_DETAIL: held} if held else {}
+        """Return the details for the heartbeat, JSON-serialisable."""
+        counts = {str(player): count for player, count in dict(self.of_players).items() if count}
+        return {_DETAIL: counts} if counts else {}
 
-    def count_everywhere(self, session: Session, player_id: int | None = None) -> int:
-        """Count those of all processes, of a person or of all."""
+    def count_all_processes(self, session: Session, player_id: int | None = None) -> int:
+        """Count watched games of all processes, of one player or of all."""
         counts = [dict(self.of_players)] + [
             {int(player): count for player, count in status.details.get(_DETAIL, {}).items()}
             for status in processes.statuses(session)
             if status.alive and status.kind == "server" and status.name != self.process
         ]
         if player_id is None:
-            return sum(sum(held.values()) for held in counts)
-        return sum(held.get(player_id, 0) for held in counts)
+            return sum(sum(counts_of_process.values()) for counts_of_process in counts)
+        return sum(counts_of_process.get(player_id, 0) for counts_of_process in counts)
 
 
 _DETAIL = "watched"
@@ -60,10 +60,10 @@ class GameLimits:
     """Limits on the number of open games, see tril.store.games.count_open.
 
     Attributes:
-        total: Of all players together.
-        per_player: Of one player.
+        total: Most games of all players together.
+        per_player: Most games of one player.
         watched: The watched games, which count as well.
-        recordings_per_player: How many recordings of one player are stored at most.
+        recordings_per_player: Most stored recordings of one player.
     """
 
     total: int
@@ -77,7 +77,7 @@ class GameLimits:
 
         Args:
             settings: The settings; max_games of 0 means as many as all processes can play.
-            per_process: How many games one process can play.
+            per_process: Most games of one process.
             process: Name of this process.
         """
         total = settings.max_games or per_process * settings.server_processes
@@ -106,7 +106,7 @@ class GameLimits:
         """
         if player_id is not None:
             players.lock(session, player_id)
-            n_watched = self.watched.count_everywhere(session, player_id)
+            n_watched = self.watched.count_all_processes(session, player_id)
             n_own = games.count_open(session, player_id) + n_watched - n_counted
             if n_own + n_new > self.per_player:
                 raise TooManyGames(
@@ -115,7 +115,7 @@ class GameLimits:
                     "counts for about a minute longer."
                 )
             self.check_recordings(session, player_id, n_new)
-        n_watched = self.watched.count_everywhere(session)
+        n_watched = self.watched.count_all_processes(session)
         n_open = games.count_open(session) + n_watched - n_counted
         if n_open + n_new > self.total:
             raise TooManyGames(

@@ -32,9 +32,9 @@ class Making:
     """How far the making of a vocabulary is.
 
     Attributes:
-        path: Its file, once it is there; pictures of the things may come later.
+        path: File of the vocabulary, once made; pictures of the things may come later.
         progress: Share of what is done, 0 to 1.
-        failed: Whether it could not be made; the server's log says why.
+        failed: Whether making it failed; the server's log says why.
     """
 
     path: Path | None = None
@@ -60,7 +60,7 @@ class VocabularyMaker:
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="vocabularies")
 
     def vocabulary(self, game: Game) -> Making:
-        """Return how far a game's vocabulary is, and have it made unless it is there."""
+        """Return the progress of a game's vocabulary, and have it made unless it exists."""
         key = vocabulary_key(game)
         with self._lock:
             making = self._makings.get(key)
@@ -134,5 +134,5 @@ class VocabularyMaker:
             status = process.wait()
             if status != 0 and not self._stopping:
                 errors.seek(max(errors.seek(0, os.SEEK_END) - _LOG_TAIL_BYTES, 0))
-                said = errors.read().decode(errors="replace")
-                _LOG.error("The vocabulary of %s could not be made: %s", game.title, said)
+                log = errors.read().decode(errors="replace")
+                _LOG.error("The vocabulary of %s could not be made: %s", game.title, log)

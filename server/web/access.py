@@ -77,21 +77,21 @@ class Access:
         return is_token(self._token_file, token)
 
     async def identify(self, connection: HTTPConnection) -> Identity | None:
-        """Return who makes a request; None if nobody is signed in."""
+        """Return the identity of a request; None if nobody is signed in."""
         scheme, _, key = connection.headers.get("authorization", "").partition(" ")
         is_key = scheme.lower() == "bearer"
-        shown = key.strip() if is_key else connection.cookies.get(self.cookie_name, "")
-        secret = self.secrets.secret_in(shown)
+        credential = key.strip() if is_key else connection.cookies.get(self.cookie_name, "")
+        secret = self.secrets.secret_in(credential)
         if secret is None:
             return None
-        found = await self._identity(credentials.hash_of(secret))
-        if found is None or (found.kind == CredentialKind.KEY) != is_key:
+        identity = await self._identity(credentials.hash_of(secret))
+        if identity is None or (identity.kind == CredentialKind.KEY) != is_key:
             return None
-        self._seen.add(found.credential_id)
-        return found
+        self._seen.add(identity.credential_id)
+        return identity
 
-    async def ask(self, question: Callable[[Session], Answer]) -> Answer:
-        """Answer a short question about access from the database.
+    async def query(self, read_answer: Callable[[Session], Answer]) -> Answer:
+        """Run a short query about access on the database.
 
         Raises:
             Unavailable: The database can't be read; says what to do.
@@ -100,7 +100,7 @@ class Access:
         def read() -> Answer:
             try:
                 with self._database.reading() as session:
-                    return question(session)
+                    return read_answer(session)
             except DBAPIError as error:
                 raise explain_database_error(error) or error from error
 
@@ -111,13 +111,13 @@ class Access:
         self._remembered.clear()
         self._n_forgotten += 1
         if self._open:
-            check = asyncio.get_running_loop().create_task(self._end_changed())
+            check = asyncio.get_running_loop().create_task(self._end_revoked())
             self._checks.add(check)
             check.add_done_callback(self._checks.discard)
 
     @contextmanager
-    def while_open(self, identity: Identity, end: End) -> Iterator[None]:
-        """Have ``end`` called, in the event loop, if somebody's rights change within the block."""
+    def watch_rights(self, identity: Identity, end: End) -> Iterator[None]:
+        """Call ``end`` in the event loop if the identity's rights change within the block."""
         ends = self._open[identity.secret_hash]
         ends.add((identity, end))
         self._n_open[identity.player_id] += 1
@@ -149,28 +149,28 @@ class Access:
 
     async def _look_up(self, secret_hash: str) -> Identity | None:
         n_forgotten = self._n_forgotten
-        found = await self.ask(lambda session: credentials.find(session, secret_hash))
-        if found is not None and n_forgotten == self._n_forgotten:
-            self._remembered[secret_hash] = (time.monotonic() + REMEMBERED_FOR_S, found)
+        identity = await self.query(lambda session: credentials.find(session, secret_hash))
+        if identity is not None and n_forgotten == self._n_forgotten:
+            self._remembered[secret_hash] = (time.monotonic() + REMEMBERED_FOR_S, identity)
             while len(self._remembered) > MAX_REMEMBERED:
                 self._remembered.popitem(last=False)
-        return found
+        return identity
 
-    async def _end_changed(self) -> None:
+    async def _end_revoked(self) -> None:
         for secret_hash in list(self._open):
-            found = await self._look_up(secret_hash)
+            current = await self._look_up(secret_hash)
             for identity, end in list(self._open.get(secret_hash, ())):
-                if found != identity:
-                    end(found is not None)
+                if current != identity:
+                    end(current is not None)
 
-    async def save_seen(self) -> None:
-        """Save that browsers and keys were used since the last time."""
-        seen, self._seen = self._seen, set()
-        if not seen:
+    async def save_last_use(self) -> None:
+        """Save which browsers and keys were used since the last call."""
+        credential_ids, self._seen = self._seen, set()
+        if not credential_ids:
             return
 
         def save() -> None:
             with self._database.writing() as session:
-                credentials.note_seen(session, seen)
+                credentials.note_use(session, credential_ids)
 
         await asyncio.to_thread(save)

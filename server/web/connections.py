@@ -118,13 +118,13 @@ class Turns:
         """Do work in its turn, which is now if nobody waits and the last turn is long ago."""
         loop = asyncio.get_running_loop()
         if self._timer is None and loop.time() >= self._next_s:
-            self._do(work, loop)
+            self._run(work, loop)
             return
         self._waiting.setdefault(address, deque()).append(work)
         if self._timer is None:
-            self._timer = loop.call_at(self._next_s, self._go_on)
+            self._timer = loop.call_at(self._next_s, self._run_next)
 
-    def _go_on(self) -> None:
+    def _run_next(self) -> None:
         loop = asyncio.get_running_loop()
         late_s = loop.time() - self._next_s
         address, queue = self._waiting.popitem(last=False)
@@ -133,12 +133,12 @@ class Turns:
             self._waiting[address] = queue
         self._timer = None
         try:
-            self._do(work, loop, late_s)
+            self._run(work, loop, late_s)
         finally:
             if self._waiting and self._timer is None:
-                self._timer = loop.call_at(self._next_s, self._go_on)
+                self._timer = loop.call_at(self._next_s, self._run_next)
 
-    def _do(
+    def _run(
         self, work: Callable[[], None], loop: asyncio.AbstractEventLoop, late_s: float = 0.0
     ) -> None:
         self._next_s = loop.time() + min(self._every_s + late_s, MOST_EVERY_S)
@@ -146,7 +146,7 @@ class Turns:
 
 
 def _source(address: str) -> str:
-    """Return what counts as one address: an IPv4 address, or an IPv6 network."""
+    """Return the source of a connection: an IPv4 address, or an IPv6 network."""
     parsed = parse_address(address)
     if isinstance(parsed, IPv6Address):
         return str(ip_network((parsed, _IPV6_NETWORK), strict=False))

@@ -89,6 +89,6 @@ class TrustedProxies:
         scope = {**scope, "client": (str(parse_address(client[0])), client[1])}
         hosts = Headers(scope=scope).getlist(_FORWARDED_HOST)
         if len(hosts) == 1 and "," not in hosts[0]:
-            others = [(name, value) for name, value in scope["headers"] if name != b"host"]
-            scope["headers"] = [(b"host", hosts[0].strip().encode("latin-1")), *others]
+            headers = [(name, value) for name, value in scope["headers"] if name != b"host"]
+            scope["headers"] = [(b"host", hosts[0].strip().encode("latin-1")), *headers]
         await self._forwarded(scope, receive, send)  # type: ignore[arg-type]

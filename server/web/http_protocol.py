@@ -131,7 +131,7 @@ class HttpProtocol(H11Protocol):
         self._received += data
         self.flow.pause_reading()
         if not waits:
-            self.config.connections.turns.take(self._slot.address, self._take_in)
+            self.config.connections.turns.take(self._slot.address, self._process_received)
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Free the slot."""
@@ -143,8 +143,10 @@ class HttpProtocol(H11Protocol):
     def handle_websocket_upgrade(self, event: h11.Request) -> None:
         """Hand the connection and its slot to the WebSocket."""
         # Of the lists in a handshake none is of use: no subprotocol and no extension is spoken.
-        kept = [(name, value) for name, value in self.headers if name not in _UNUSED_IN_HANDSHAKES]
-        self.headers = [*kept, (b"connection", b"Upgrade")]
+        headers = [
+            (name, value) for name, value in self.headers if name not in _UNUSED_IN_HANDSHAKES
+        ]
+        self.headers = [*headers, (b"connection", b"Upgrade")]
         super().handle_websocket_upgrade(event)
         self._stop_watching()
         websocket = self.transport.get_protocol()
@@ -177,13 +179,13 @@ class HttpProtocol(H11Protocol):
         if self._has_turn:
             super().handle_events()
         elif self._slot is not None and self.conn.trailing_data[0] and not self._received:
-            self.config.connections.turns.take(self._slot.address, self._take_in)
+            self.config.connections.turns.take(self._slot.address, self._process_received)
 
     def _should_upgrade(self) -> bool:
         is_spare = self._slot is not None and self._slot.is_spare
         return not is_spare and super()._should_upgrade()
 
-    def _take_in(self) -> None:
+    def _process_received(self) -> None:
         received, self._received = bytes(self._received), bytearray()
         if self.transport.is_closing():
             return

@@ -76,10 +76,10 @@ class SameOrigin:
         origin = headers.get("origin")
         if origin is not None:
             scheme = origin.partition("://")[0].lower()
-            own = _host_and_port(f"{scheme}://{headers['host']}")
+            own_host = _host_and_port(f"{scheme}://{headers['host']}")
             # A page that came without encryption may be anybody's.
             allowed = {"https"} if scope["scheme"] in {"https", "wss"} else {"http", "https"}
-            if scheme not in allowed or _host_and_port(origin) != own:
+            if scheme not in allowed or _host_and_port(origin) != own_host:
                 return "Requests from other sites' pages are refused."
         elif _is_api(scope) and headers.get("sec-fetch-site") in {"cross-site", "same-site"}:
             return "Requests from other sites' pages are refused."
@@ -114,19 +114,19 @@ class Authentication:
             identity = await services_of(connection).access.identify(connection)
         except Unavailable as error:
             reason = "Your sign-in can't be checked right now. Try again in a moment."
-            await _refuse_for_now(scope, receive, send, str(error), reason)
+            await _refuse_temporarily(scope, receive, send, str(error), reason)
             return
         if identity is None:
-            await _refuse_stranger(scope, receive, send)
+            await _refuse_unauthenticated(scope, receive, send)
             return
         scope["identity"] = identity
         if scope["type"] == "http":
             await self._app(scope, receive, send)
         else:
-            await self._pass_on_while_signed_in(scope, receive, send)
+            await self._forward_until_signed_out(scope, receive, send)
 
-    async def _pass_on_while_signed_in(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a WebSocket on; close it if its browser is signed out or may do something else."""
+    async def _forward_until_signed_out(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Forward a WebSocket; close it if its browser is signed out or its rights change."""
         closing: asyncio.Task[None] | None = None
 
         async def close(may_return: bool) -> None:
@@ -147,13 +147,13 @@ class Authentication:
         try:
             access.refuse_too_many_open(scope["identity"])
         except Unavailable as error:
-            await _refuse_for_now(scope, receive, send, str(error), str(error))
+            await _refuse_temporarily(scope, receive, send, str(error), str(error))
             return
-        with access.while_open(scope["identity"], end):
+        with access.watch_rights(scope["identity"], end):
             await self._app(scope, receive, send_unless_closed)
 
 
-async def _refuse_for_now(
+async def _refuse_temporarily(
     scope: Scope, receive: Receive, send: Send, why: str, reason: str
 ) -> None:
     if scope["type"] == "websocket":
@@ -164,7 +164,7 @@ async def _refuse_for_now(
         await problem(503, why)(scope, receive, send)
 
 
-async def _refuse_stranger(scope: Scope, receive: Receive, send: Send) -> None:
+async def _refuse_unauthenticated(scope: Scope, receive: Receive, send: Send) -> None:
     why = "You are not signed in. Open the address that Tril printed when it started."
     if scope["type"] == "websocket":
         await send({"type": "websocket.accept"})
@@ -199,7 +199,7 @@ class BodyLimit:
         is_awaited = not is_upload
         until = asyncio.get_running_loop().time() + BODY_TIMEOUT_S
 
-        async def receive_in_time() -> Message:
+        async def receive_before_deadline() -> Message:
             nonlocal is_awaited
             try:
                 async with asyncio.timeout_at(until if is_awaited else None):
@@ -209,7 +209,7 @@ class BodyLimit:
             is_awaited = is_awaited and message.get("more_body", False)
             return message
 
-        await self._app(scope, receive_in_time, send)
+        await self._app(scope, receive_before_deadline, send)
 
 
 class SecurityHeaders:
@@ -249,10 +249,12 @@ def _with_own_cookie(headers: RawHeaders, name: bytes) -> RawHeaders:
     Starlette and FastAPI parse all cookies of every request by Python's ``http.cookies``, which
     before 3.11.10 takes minutes for 60 kB of backslashes between quotes (CVE-2024-7592).
     """
-    own = re.compile(rb"(?:^|;)[ \t]*%b=\"?([A-Za-z0-9._-]{1,128})\"?[ \t]*(?=;|$)" % name)
-    kept = [(key, value) for key, value in headers if key != b"cookie"]
-    found = [value for key, value in headers if key == b"cookie" for value in own.findall(value)]
-    return [*kept, (b"cookie", name + b"=" + found[-1])] if found else kept
+    cookie = re.compile(rb"(?:^|;)[ \t]*%b=\"?([A-Za-z0-9._-]{1,128})\"?[ \t]*(?=;|$)" % name)
+    other_headers = [(key, value) for key, value in headers if key != b"cookie"]
+    values = [
+        value for key, header in headers if key == b"cookie" for value in cookie.findall(header)
+    ]
+    return [*other_headers, (b"cookie", name + b"=" + values[-1])] if values else other_headers
 
 
 def _is_api(scope: Scope) -> bool:

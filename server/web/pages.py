@@ -151,6 +151,6 @@ def _not_signed_in(request: Request, pages: SmallPages) -> Response:
     # starts from this page and sends the cookie.
     again = request.headers.get("sec-fetch-site") in {"cross-site", "same-site"}
     # One leading slash and everything quoted, so that the address stays on this server.
-    here = quote("/" + request.url.path.lstrip("/"))
-    head = f'\n<meta http-equiv="refresh" content="0; url={here}">' * again
+    path = quote("/" + request.url.path.lstrip("/"))
+    head = f'\n<meta http-equiv="refresh" content="0; url={path}">' * again
     return pages.key_page(pages.texts.signed_out, pages.texts.signed_out_why, head)

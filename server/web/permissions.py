@@ -324,7 +324,7 @@ async def check_permission(connection: HTTPConnection) -> None:
     """Let a request pass if its maker's role allows it; a dependency of every route.
 
     Raises:
-        Forbidden: Their role may not do this.
+        Forbidden: The identity's role does not allow the request.
         NotFound: It is another person's, which looks as if it did not exist.
     """
     need = NEEDS[connection.scope["endpoint"].__name__]
@@ -345,24 +345,24 @@ async def check_permission(connection: HTTPConnection) -> None:
             " `tril people key NAME --worker`."
         )
     else:
-        who = "owner" if need is Need.OWNER else "owner and researchers"
-        refusal = Forbidden(f"Only the {who} may do this. Ask whoever runs this server.")
+        roles = "owner" if need is Need.OWNER else "owner and researchers"
+        refusal = Forbidden(f"Only the {roles} may do this. Ask whoever runs this server.")
     if connection.scope["type"] == "websocket":
         raise WebSocketException(1008, str(refusal))
     raise refusal
 
 
-def refuse_behaviour_of_others(identity: Identity, behaviour_id: int) -> None:
-    """Raise NotFound if somebody may not play a behaviour, which a request's body names."""
+def refuse_foreign_behaviour(identity: Identity, behaviour_id: int) -> None:
+    """Raise NotFound if an identity may not play the behaviour of a request's body."""
     if identity.is_participant and behaviour_id not in identity.behaviour_ids:
         raise NotFound(_NOT_YOURS[Need.OWN_BEHAVIOUR])
 
 
-def for_reader(identity: Identity, shown: Shown) -> Shown:
+def for_reader(identity: Identity, response: Shown) -> Shown:
     """Return a response as its reader may see it, without the fields that are for researchers."""
     if not identity.is_participant:
-        return shown
-    return shown.model_copy(update=RESEARCHERS_FIELDS.get(type(shown).__name__, {}))
+        return response
+    return response.model_copy(update=RESEARCHERS_FIELDS.get(type(response).__name__, {}))
 
 
 def check_all_declared(operations: Iterable[str]) -> None:
@@ -387,14 +387,14 @@ async def _is_own(connection: HTTPConnection, need: Need, identity: Identity) ->
     """Whether what a path names is a participant's own; what is no id is nobody's."""
     if need is Need.OWN_BEHAVIOUR:
         behaviour_id = connection.path_params["behaviour_id"]
-        return behaviour_id in {str(own) for own in identity.behaviour_ids}
+        return behaviour_id in {str(behaviour) for behaviour in identity.behaviour_ids}
     name = "recording_id" if need is Need.OWN_RECORDING else "game_id"
     key = str(connection.path_params[name])
     access = services_of(connection).access
     if need is Need.OWN_GAME:
-        owner = await access.ask(lambda session: games.player_of(session, key))
+        owner = await access.query(lambda session: games.player_of(session, key))
     elif key.isdecimal() and len(key) < 10:
-        owner = await access.ask(lambda session: recordings.player_of(session, int(key)))
+        owner = await access.query(lambda session: recordings.player_of(session, int(key)))
     else:
         return False
     if owner is None:

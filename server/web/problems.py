@@ -15,7 +15,7 @@ from starlette.exceptions import HTTPException
 from starlette.responses import JSONResponse, Response
 
 from tril.errors import Conflict, Forbidden, Invalid, NotFound, TrilError, Unavailable
-from tril.store.database import DatabaseReplaced, is_away, is_busy
+from tril.store.database import DatabaseReplaced, is_busy, is_unreachable
 from tril.text import TextRefused, printable
 
 _LOG = logging.getLogger(__name__)
@@ -80,20 +80,20 @@ CONFLICT: dict[int | str, dict[str, Any]] = {
 def problem(status: int, detail: str, errors: list[dict[str, Any]] | None = None) -> JSONResponse:
     """Build an error response."""
     # They quote what was sent, which need not be text that UTF-8 can hold.
-    shown = None if errors is None else _printable_errors(errors)
-    body = Problem(detail=printable(detail, keep="\n"), errors=shown).model_dump()
+    printable_errors = None if errors is None else _printable_errors(errors)
+    body = Problem(detail=printable(detail, keep="\n"), errors=printable_errors).model_dump()
     return JSONResponse(body, status_code=status)
 
 
 def _printable_errors(errors: list[dict[str, Any]]) -> list[dict[str, Any]]:
     return [
-        {"where": [printable(part) for part in one["where"]], "what": printable(one["what"])}
-        for one in errors
+        {"where": [printable(part) for part in error["where"]], "what": printable(error["what"])}
+        for error in errors
     ]
 
 
 def explain_database_error(error: DBAPIError) -> Unavailable | None:
-    """Return what the user can do about a database error, None if that is unknown."""
+    """Return the user's remedy for a database error, None if it is unknown."""
     text = str(error.orig).lower()
     if "disk is full" in text or "no space left" in text:
         return Unavailable(DISK_FULL)
@@ -103,7 +103,7 @@ def explain_database_error(error: DBAPIError) -> Unavailable | None:
         return Unavailable(DATABASE_BUSY)
     if "disk i/o error" in text or "unable to open database file" in text:
         return Unavailable(DISK_FAILED)
-    if is_away(error):
+    if is_unreachable(error):
         return Unavailable(DATABASE_AWAY)
     return None
 
@@ -139,8 +139,8 @@ def status_of(error: TrilError) -> int:
 async def _on_tril_error(_request: Request, error: Exception) -> Response:
     assert isinstance(error, TrilError)
     about = error.field
-    found = None if about is None else [{"where": ["body", about], "what": str(error)}]
-    return problem(status_of(error), str(error), found)
+    errors = None if about is None else [{"where": ["body", about], "what": str(error)}]
+    return problem(status_of(error), str(error), errors)
 
 
 async def _on_http_exception(_request: Request, error: Exception) -> Response:
@@ -152,12 +152,12 @@ async def _on_http_exception(_request: Request, error: Exception) -> Response:
 
 async def _on_validation_error(_request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
-    found: list[dict[str, Any]] = [
-        {"where": [str(part) for part in item["loc"]], "what": in_plain_words(item)}
+    errors: list[dict[str, Any]] = [
+        {"where": [str(part) for part in item["loc"]], "what": validation_message(item)}
         for item in islice(error.errors(), MAX_ERRORS)
     ]
-    first = found[0]["what"] if found else "The request can't be read."
-    return problem(422, first, found)
+    detail = errors[0]["what"] if errors else "The request can't be read."
+    return problem(422, detail, errors)
 
 
 _WRONG: Mapping[str, str] = {
@@ -190,8 +190,8 @@ _WRONG: Mapping[str, str] = {
 """What is wrong, by Pydantic's kind of error."""
 
 
-def in_plain_words(error: Mapping[str, Any]) -> str:
-    """Say what is wrong with a value that Pydantic refuses: "Name is missing."."""
+def validation_message(error: Mapping[str, Any]) -> str:
+    """Describe a Pydantic error in plain words: "Name is missing."."""
     if error["type"] == "json_invalid":
         return "The request is not valid JSON."
     names = [part for part in error["loc"][1:] if isinstance(part, str)]

@@ -61,7 +61,7 @@ def load_secrets(path: Path) -> Secrets:
         _make_secrets(path)
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
-        found = Secrets(data["token"], bytes.fromhex(data["cookie_key"]))
+        secrets_of_file = Secrets(data["token"], bytes.fromhex(data["cookie_key"]))
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise Unavailable(
             f"The access token in {path} can't be read ({type(error).__name__}). Delete the file "
@@ -69,19 +69,19 @@ def load_secrets(path: Path) -> Secrets:
         ) from error
     if path.stat().st_mode & 0o077:
         path.chmod(0o600)
-    return found
+    return secrets_of_file
 
 
-def is_token(path: Path, given: str) -> bool:
+def is_token(path: Path, text: str) -> bool:
     """Whether this is the installation's token at this moment, compared in constant time."""
     # Read anew, since `tril address --new` replaces it while servers run.
-    return hmac.compare_digest(given.encode(), load_secrets(path).token.encode())
+    return hmac.compare_digest(text.encode(), load_secrets(path).token.encode())
 
 
 def renew_token(path: Path) -> None:
     """Replace the access token, so that addresses printed earlier stop working."""
-    kept = load_secrets(path).cookie_key
-    content = {"version": _VERSION, "token": _new_token(), "cookie_key": kept.hex()}
+    cookie_key = load_secrets(path).cookie_key
+    content = {"version": _VERSION, "token": _new_token(), "cookie_key": cookie_key.hex()}
     write_whole(path, json.dumps(content).encode(), mode=0o600)
 
 

@@ -42,7 +42,7 @@ async def sign_in(request: Request, pages: SmallPages) -> Response:
         return pages.key_page(pages.texts.wrong_key, pages.texts.wrong_key_why)
     identity = await services.access.identify(request)
     if identity is not None and identity.role is Role.OWNER:
-        return _to_the_page()
+        return _redirect()
     browser = _browser_of(request)
 
     def add() -> str:
@@ -58,15 +58,15 @@ async def join(request: Request, pages: SmallPages) -> Response:
         return await _ask_for_name(request, pages, _query_of(request).get("invitation", ""))
     if request.method != "POST":
         return problem(405, "Open the link of an invitation.")
-    given = _fields_of(await request.body())
+    fields = _fields_of(await request.body())
     services = services_of(request)
-    signed = given.get("invitation", "")
+    signed = fields.get("invitation", "")
     secret = services.access.secrets.secret_in(signed)
-    name, browser = given.get("name", ""), _browser_of(request)
+    name, browser = fields.get("name", ""), _browser_of(request)
 
     def accept(secret: str) -> tuple[str, int | None]:
         with services.database.writing() as session:
-            return invitations.accept(session, secret, name, browser, given.get("form", ""))
+            return invitations.accept(session, secret, name, browser, fields.get("form", ""))
 
     if secret is not None:
         try:
@@ -120,7 +120,7 @@ async def _ask_for_name(
 
 def _with_cookie(request: Request, secret: str, path: str = "/") -> Response:
     access = services_of(request).access
-    answer = _to_the_page(path)
+    answer = _redirect(path)
     answer.set_cookie(
         access.cookie_name,
         access.secrets.signed(secret),
@@ -133,7 +133,7 @@ def _with_cookie(request: Request, secret: str, path: str = "/") -> Response:
     return answer
 
 
-def _to_the_page(path: str = "/") -> Response:
+def _redirect(path: str = "/") -> Response:
     return Response(status_code=303, headers={"Location": path, "Cache-Control": "no-store"})
 
 
@@ -166,6 +166,6 @@ def _first(names: Collection[tuple[str, str]], text: str) -> str | None:
     return next((name for mark, name in names if mark in text), None)
 
 
-def _token_in(given: str) -> str:
+def _token_in(text: str) -> str:
     """Return the token of what was typed, which may be the whole address."""
-    return unquote(given.strip().rpartition("token=")[2])
+    return unquote(text.strip().rpartition("token=")[2])

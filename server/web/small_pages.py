@@ -147,7 +147,7 @@ class SmallPages:
         stylesheets: Paths of the page's own stylesheets.
 
     Attributes:
-        texts: What they say.
+        texts: Texts of the pages.
     """
 
     def __init__(self, request: Request, stylesheets: Collection[str]) -> None:
@@ -175,42 +175,42 @@ class SmallPages:
 
         Args:
             path: Where the name is sent to.
-            invitation: What the link contains.
-            behaviour: What they are to play; None for a researcher.
-            player: Who is signed in with this browser; None for nobody.
-            wrong: What is wrong with the name that was given before, as HTML; None if none was.
+            invitation: Signed secret of the invitation.
+            behaviour: Behaviour of the invitation; None for a researcher.
+            player: Player signed in with this browser; None for nobody.
+            wrong: Error of the name entered before, as HTML; None if there is none.
         """
-        said = self.texts
-        invited = said.invited_researcher
+        texts = self.texts
+        invited = texts.invited_researcher
         if behaviour is not None:
-            invited = said.invited_player.format(behaviour=escape(behaviour))
+            invited = texts.invited_player.format(behaviour=escape(behaviour))
         if player is not None:
-            invited += f"</p><p>{said.present.format(player=escape(player))}"
+            invited += f"</p><p>{texts.present.format(player=escape(player))}"
         described, why = ("", "")
         if wrong is not None:
             described = 'aria-invalid="true" aria-describedby="why"'
             why = f'\n<p class="wrong" id="why">{wrong}</p>'
         return self.page(
             200,
-            said.welcome,
+            texts.welcome,
             f"""<p>{invited}</p>
 <form action="{path}" method="post">
-<label for="name">{said.name}</label>
+<label for="name">{texts.name}</label>
 <input id="name" name="name" maxlength="80" autocomplete="nickname" required autofocus
   {described}>{why}
 <input type="hidden" name="invitation" value="{escape(invitation)}">
 <input type="hidden" name="form" value="{secrets.token_urlsafe(16)}">
-<button class="go">{said.begin}</button>
+<button class="go">{texts.begin}</button>
 </form>""",
         )
 
     def no_invitation(self, is_over: bool, is_signed_in: bool) -> Response:
         """Return the page (404) of a link that lets nobody in."""
-        said = self.texts
-        title, why = said.incomplete, said.incomplete_why
+        texts = self.texts
+        title, why = texts.incomplete, texts.incomplete_why
         if is_over:
-            title, why = said.over, said.over_why
-        go = f'<a class="go" href="/">{said.to_tril}</a>' if is_signed_in else ""
+            title, why = texts.over, texts.over_why
+        go = f'<a class="go" href="/">{texts.to_tril}</a>' if is_signed_in else ""
         return self.page(404, title, f"<p>{why}</p>{go}")
 
     def page(self, status: int, title: str, content: str, head: str = "") -> Response:
@@ -230,7 +230,7 @@ class SmallPages:
 
 def language_of(accepted: str) -> str:
     """Return the language that a browser's Accept-Language prefers of those there are."""
-    wanted = []
+    accepted_languages = []
     for part in accepted.split(",", MAX_LANGUAGES)[:MAX_LANGUAGES]:
         name, _, quality = part.partition(";")
         language = name.strip().lower().partition("-")[0]
@@ -239,6 +239,6 @@ def language_of(accepted: str) -> str:
         except ValueError:
             continue
         if language in _LANGUAGES and weight > 0:
-            wanted.append((weight, language))
+            accepted_languages.append((weight, language))
     # The first of equal ones.
-    return max(wanted, key=lambda one: one[0], default=(1.0, "en"))[1]
+    return max(accepted_languages, key=lambda weighted: weighted[0], default=(1.0, "en"))[1]

@@ -70,17 +70,17 @@ class Submissions:
             submission.content.update(message.get("body", b""))
             return message
 
-        held: list[Message] = []
+        messages: list[Message] = []
 
         async def send_kept(message: Message) -> None:
             if submission.row_id is None:
                 await send(message)
                 return
             # Whoever gets the response can rely on getting it again.
-            held.append(message)
+            messages.append(message)
             if message["type"] == "http.response.body" and not message.get("more_body", False):
-                await _keep(connection, submission.row_id, held)
-                for part in held:
+                await _keep(connection, submission.row_id, messages)
+                for part in messages:
                     await send(part)
 
         token = WRITE_GUARD.set(submission)

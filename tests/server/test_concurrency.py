@@ -18,7 +18,7 @@ async def _pass(limit: ConcurrencyLimit, client: str = "browser") -> None:
 
 def test_requests_work_in_the_order_in_which_they_came() -> None:
     async def run() -> None:
-        limit = ConcurrencyLimit(at_once=2, each=2, waiting=12, wait_s=60)
+        limit = ConcurrencyLimit(at_once=2, per_client=2, waiting=12, wait_s=60)
         order: list[int] = []
         at_work: set[int] = set()
 
@@ -38,7 +38,7 @@ def test_requests_work_in_the_order_in_which_they_came() -> None:
 
 def test_more_than_may_wait_are_told_to_come_back() -> None:
     async def run() -> None:
-        limit = ConcurrencyLimit(at_once=1, each=1, waiting=1, wait_s=60)
+        limit = ConcurrencyLimit(at_once=1, per_client=1, waiting=1, wait_s=60)
         async with limit.slot("browser"):
             waiting = asyncio.create_task(_pass(limit))
             await asyncio.sleep(0)
@@ -57,7 +57,7 @@ def test_more_than_may_wait_are_told_to_come_back() -> None:
 
 def test_one_that_waits_for_too_long_is_told_to_come_back_and_takes_no_slot() -> None:
     async def run() -> None:
-        limit = ConcurrencyLimit(at_once=1, each=1, waiting=1, wait_s=0)
+        limit = ConcurrencyLimit(at_once=1, per_client=1, waiting=1, wait_s=0)
         async with limit.slot("browser"):
             with pytest.raises(HTTPException):
                 await _pass(limit)
@@ -68,7 +68,7 @@ def test_one_that_waits_for_too_long_is_told_to_come_back_and_takes_no_slot() ->
 
 def test_clients_take_turns_and_each_has_its_share_of_the_slots() -> None:
     async def run() -> None:
-        limit = ConcurrencyLimit(at_once=2, each=1, waiting=60, wait_s=60)
+        limit = ConcurrencyLimit(at_once=2, per_client=1, waiting=60, wait_s=60)
         order: list[str] = []
         at_work: Counter[str] = Counter()
 
@@ -92,7 +92,7 @@ def test_clients_take_turns_and_each_has_its_share_of_the_slots() -> None:
 
 def test_a_request_that_is_given_up_takes_no_slot() -> None:
     async def run() -> None:
-        limit = ConcurrencyLimit(at_once=1, each=1, waiting=10, wait_s=60)
+        limit = ConcurrencyLimit(at_once=1, per_client=1, waiting=10, wait_s=60)
         async with limit.slot("browser"):
             given_up = [asyncio.create_task(_pass(limit)) for _ in range(3)]
             stays = asyncio.create_task(_pass(limit))

@@ -70,19 +70,24 @@ def test_a_recording_that_was_taken_out_comes_back_where_it_was(
     ranking: Ranking, data: st.DataObject
 ) -> None:
     item = data.draw(st.sampled_from(ranking.items))
-    assert ranking.without({item}).with_back(item, ranking) == ranking
+    assert ranking.without({item}).with_restored(item, ranking) == ranking
 
 
 def test_a_recording_comes_back_beside_what_is_still_ranked() -> None:
     former = Ranking(((1,), (2, 3), (4,), (5,)))
-    assert Ranking(((5,), (3,), (1,))).with_back(2, former).tiers == ((5,), (2, 3), (1,))
+    assert Ranking(((5,), (3,), (1,))).with_restored(2, former).tiers == ((5,), (2, 3), (1,))
     # Its tier is gone: between its neighbours, or beside the one that is left.
-    assert Ranking(((1, 9), (5,), (8,))).with_back(4, former).tiers == ((1, 9), (4,), (5,), (8,))
-    assert Ranking(((9,), (5,))).with_back(2, former).tiers == ((9,), (2,), (5,))
-    assert Ranking(((9,), (1,), (8,))).with_back(2, former).tiers == ((9,), (1,), (2,), (8,))
-    assert Ranking().with_back(2, former).tiers == ((2,),)
+    assert Ranking(((1, 9), (5,), (8,))).with_restored(4, former).tiers == (
+        (1, 9),
+        (4,),
+        (5,),
+        (8,),
+    )
+    assert Ranking(((9,), (5,))).with_restored(2, former).tiers == ((9,), (2,), (5,))
+    assert Ranking(((9,), (1,), (8,))).with_restored(2, former).tiers == ((9,), (1,), (2,), (8,))
+    assert Ranking().with_restored(2, former).tiers == ((2,),)
     unrelated = Ranking(((8,), (9,)))
-    assert unrelated.with_back(2, former) == unrelated
+    assert unrelated.with_restored(2, former) == unrelated
 
 
 @given(rankings(), rankings())

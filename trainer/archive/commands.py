@@ -19,14 +19,14 @@ def commands(run: RunObject, behaviour: Behaviour) -> list[str]:
 
     Args:
         run: The run.
-        behaviour: What it teaches.
+        behaviour: Behaviour that the run teaches.
     """
     recipe = recipe_from_dict(run.recipe)
     options = ["--recipe", recipe.name, "--steps", str(run.steps)]
     options += ["--training-seed", str(run.training_seed)]
     if recipe.name in RECIPES:
         options += _set(changed_values(recipe, RECIPES[recipe.name]))
-    is_built_in = behaviour.slug in {one.slug for one in published()}
+    is_built_in = behaviour.slug in {built_in.slug for built_in in published()}
     if run.example and is_built_in:
         kind = run.example_kind
         demonstrations = [] if kind == SCRIPTED.name else ["--demonstrations", kind]
@@ -55,7 +55,7 @@ def _set(changes: Mapping[str, Any]) -> list[str]:
 
 def _text(value: Any) -> str:
     if isinstance(value, tuple):
-        return "".join(f"{one}," for one in value)
+        return "".join(f"{item}," for item in value)
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 

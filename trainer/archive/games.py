@@ -17,10 +17,10 @@ def best_and_worst(games: Sequence[EvaluationRow]) -> list[tuple[str, Evaluation
     Args:
         games: A run's evaluation games, loaded with their recordings.
     """
-    own = [game for game in games if game.policy == "imitator"]
-    if not own:
+    imitator_games = [game for game in games if game.policy == "imitator"]
+    if not imitator_games:
         return []
-    best, worst = max(own, key=_worth), min(own, key=_worth)
+    best, worst = max(imitator_games, key=_worth), min(imitator_games, key=_worth)
     if best is worst:
         return [("Its only game", best)]
     return [("Its best game", best), ("Its worst game", worst)]

@@ -70,7 +70,7 @@ def write_archive(
     Raises:
         NotFound: No such run, or its behaviour was deleted.
         Conflict: It is not finished.
-        Invalid: Its recipe is one of another version.
+        Invalid: The run's recipe belongs to another version.
     """
     with database.reading() as session:
         exported = export_run(session, run_id)
@@ -188,7 +188,7 @@ def _pages(
     page = render(
         "run.html.j2",
         **view,
-        figures={name: f"<svg{rest}" for name, rest in drawn.items()},
+        figures={name: f"<svg{markup}" for name, markup in drawn.items()},
         clips=clips,
         pictures={n: _data_url(content, "image/png") for n, content in _pictures(report)},
     )
@@ -198,11 +198,11 @@ def _pages(
 
 def _flat(recipe: dict[str, Any]) -> dict[str, Any]:
     """Return a recipe's values by dotted path."""
-    found: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for name, value in recipe.items():
         inner = {f"{name}.{k}": v for k, v in value.items()} if isinstance(value, dict) else {}
-        found |= inner or {name: value}
-    return found
+        values |= inner or {name: value}
+    return values
 
 
 def _data_url(content: bytes, media_type: str) -> str:

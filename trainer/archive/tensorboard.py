@@ -60,7 +60,7 @@ def write_tensorboard(database: Database, run_id: str, folder: Path) -> Path:
     path = folder / f"events.out.tfevents.{int(began_s)}.{run_id}"
     events = [Event(wall_time=began_s, file_version=VERSION)]
     values = _hyperparameters(run)
-    events += [Event(wall_time=began_s, summary=one) for one in hparams(values, results)]
+    events += [Event(wall_time=began_s, summary=summary) for summary in hparams(values, results)]
     for wall_time, step, name, value in _points(run, series, began_s):
         events.append(Event(wall_time=wall_time, step=step, summary=scalar(name, value)))
     for name, value in results.items():
@@ -93,20 +93,20 @@ def _results(run: RunRow, summaries: Mapping[tuple[str, str], Any]) -> Iterator[
                 yield f"results/check/{name}", float(value)
     for (policy, action_selection), summary in summaries.items():
         for name in _RESULTS:
-            found: Interval | None = getattr(summary, name)
-            if found is not None:
-                yield f"results/{policy}_{action_selection}/{name}", found.mean
+            interval: Interval | None = getattr(summary, name)
+            if interval is not None:
+                yield f"results/{policy}_{action_selection}/{name}", interval.mean
 
 
 def _hyperparameters(run: RunRow) -> dict[str, str | bool | float]:
     """Return the recipe's values by dotted path, and what else a training is told."""
-    found: dict[str, Any] = {"steps": run.steps, "training_seed": run.training_seed}
+    values: dict[str, Any] = {"steps": run.steps, "training_seed": run.training_seed}
     for name, value in run.recipe.items():
         inner = {f"{name}.{k}": v for k, v in value.items()} if isinstance(value, dict) else {}
-        found |= inner or {name: value}
+        values |= inner or {name: value}
     return {
         name: value if isinstance(value, str | bool | int | float) else json.dumps(value)
-        for name, value in found.items()
+        for name, value in values.items()
     }
 
 

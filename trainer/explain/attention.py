@@ -33,7 +33,7 @@ class NamedState:
     """A state of a demonstration, chosen by its reward.
 
     Attributes:
-        name: Which of the states that the thesis looks at.
+        name: Name of the state in the thesis.
         trajectory: Index of the trajectory.
         step: Index of the observation in it; 0 is the start.
         reward: R of the observation.
@@ -54,9 +54,9 @@ def pick_states(rewards: Sequence[npt.NDArray[np.float32]]) -> tuple[NamedState,
     Returns:
         The states in the order of AttentionState; of equal rewards the earliest comes first.
     """
-    found = states_at(rewards, [name.quantile for name in AttentionState])
+    states = states_at(rewards, [name.quantile for name in AttentionState])
     return tuple(
-        NamedState(name, *state) for name, state in zip(AttentionState, found, strict=True)
+        NamedState(name, *state) for name, state in zip(AttentionState, states, strict=True)
     )
 
 
@@ -67,7 +67,7 @@ def states_at(
 
     Args:
         rewards: As in pick_states.
-        quantiles: Of the rewards of all states together.
+        quantiles: Quantiles of the rewards of all states together.
     """
     if not rewards or not sum(len(part) for part in rewards):
         raise ValueError("Expected at least one state to pick from.")
@@ -90,7 +90,7 @@ def attention_map(
     first two layers is recomputed (see OccludedOutputs), which equals brute force up to rounding.
 
     Args:
-        subject: What is explained; of a reward model it is its raw R.
+        subject: Subject to explain; of a reward model it is its raw R.
         observation: uint8 (4, 84, 84).
         progress: Counts patches.
         background: Gray of the screen's background, 0 to 255.
@@ -145,7 +145,7 @@ def _brute_force_changes(
     progress: Progress,
     background: int = 0,
 ) -> npt.NDArray[np.float32]:
-    """Return what ``changes_at`` does for any subject, scoring whole observations."""
+    """Return the same as ``changes_at`` for any subject, scoring whole observations."""
     changes = np.empty(len(positions), np.float32)
     plain = subject.score(observation[None])[0]
     for begin in range(0, len(positions), BATCH):

@@ -39,10 +39,10 @@ def order_of(values: Map, pixels: Pixels) -> Pixels:
 def differences(
     subject: Subject, observation: Observation, order: Pixels, *, insert: bool, background: int = 0
 ) -> npt.NDArray[np.float64]:
-    """Return how far the value is from that of the whole state while pixels change in an order.
+    """Return the deviation from the whole state's value while pixels change in an order.
 
     Args:
-        subject: What is explained.
+        subject: Subject to explain.
         observation: uint8 (4, 84, 84).
         order: The pixels, the most important first.
         insert: Whether they are put into an empty screen, instead of deleted.
@@ -74,7 +74,7 @@ def measure_faithfulness(
     """Measure a map against random orders.
 
     Args:
-        subject: What the map explains.
+        subject: Subject of the map.
         observation: uint8 (4, 84, 84).
         values: The map, float32 (84, 84).
         scale: The change that counts as 1: of a reward model from how demonstrations begin to how
@@ -100,15 +100,15 @@ def measure_faithfulness(
     )
     measured = [
         MeasuredOrder(
-            deletion=float(one.mean() / scale),
-            insertion=float(other.mean() / scale),
-            hidden_fifth=float(one[round(BRIGHTEST * POINTS)] / scale),
+            deletion=float(deletion.mean() / scale),
+            insertion=float(insertion.mean() / scale),
+            hidden_fifth=float(deletion[round(BRIGHTEST * POINTS)] / scale),
         )
-        for one, other in zip(deleted, inserted, strict=True)
+        for deletion, insertion in zip(deleted, inserted, strict=True)
     ]
     return Faithfulness(map=measured[0], random=_mean(measured[1:]))
 
 
 def _mean(orders: list[MeasuredOrder]) -> MeasuredOrder:
-    values = [one.model_dump() for one in orders]
+    values = [order.model_dump() for order in orders]
     return MeasuredOrder(**{key: float(np.mean([v[key] for v in values])) for key in values[0]})

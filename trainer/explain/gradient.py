@@ -21,7 +21,7 @@ def gradient_map(
     """Return the magnitude of the gradient times the pixel's difference from the background.
 
     Args:
-        subject: What is explained, on the CPU; of a reward model it is its raw R.
+        subject: Subject to explain, on the CPU; of a reward model it is its raw R.
         observation: uint8 (4, 84, 84).
         background: Gray of the screen's background, 0 to 255.
 

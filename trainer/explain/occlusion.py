@@ -134,8 +134,8 @@ def _first_affected(begin: Tensor, kernel: int, stride: int, n_places: int) -> T
 
     Args:
         begin: int64 (N,).
-        kernel: Of the layer.
-        stride: Of the layer.
+        kernel: Kernel size of the layer.
+        stride: Stride of the layer.
         n_places: Number of places where a window of outputs can begin.
     """
     lowest = torch.div(begin - kernel + stride, stride, rounding_mode="floor")
@@ -143,7 +143,7 @@ def _first_affected(begin: Tensor, kernel: int, stride: int, n_places: int) -> T
 
 
 def _covered(begin: Tensor, places: Tensor) -> Tensor:
-    """Return which places, int64 (N, side), are under patches at ``begin``, bool (N, side)."""
+    """Return the places, int64 (N, side), under patches at ``begin``, bool (N, side)."""
     return (places >= begin[:, None]) & (places < begin[:, None] + PATCH)
 
 

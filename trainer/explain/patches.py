@@ -32,9 +32,9 @@ def patch_map(
     """Return a map of the changes where a patch of all four screens becomes background.
 
     Args:
-        subject: What is explained.
+        subject: Subject to explain.
         observation: uint8 (4, 84, 84).
-        side: Of a patch, in pixels.
+        side: Side of a patch, in pixels.
         stride: Pixels from one patch to the next.
         progress: Counts patches.
         background: Gray of the screen's background, 0 to 255.

@@ -64,5 +64,5 @@ class ActionOdds:
         """See Subject."""
         logits = self._policy.logits(pixels)
         chosen = logits[:, self.action]
-        others = torch.cat([logits[:, : self.action], logits[:, self.action + 1 :]], 1)
-        return chosen - others.logsumexp(1)
+        unchosen = torch.cat([logits[:, : self.action], logits[:, self.action + 1 :]], 1)
+        return chosen - unchosen.logsumexp(1)

@@ -35,18 +35,18 @@ class NotFinite(Invalid):
     """A training whose numbers have become infinite or undefined."""
 
 
-def check_finite(what: str, *tensors: Tensor) -> None:
+def check_finite(quantity: str, *tensors: Tensor) -> None:
     """Refuse tensors with infinite or undefined numbers; raises NotFinite.
 
     Args:
-        what: What they are of, for the message.
+        quantity: Name of the tensors, for the message.
         *tensors: The tensors; those of integers are always finite.
     """
     if all(tensor.isfinite().all() for tensor in tensors):
         return
     raise NotFinite(
-        f"Learning has diverged: the {what} is no longer a finite number. What was saved before is"
-        " kept. Begin a new training with lower learning rates or another scale of the reward."
+        f"Learning has diverged: the {quantity} is no longer a finite number. What was saved before"
+        " is kept. Begin a new training with lower learning rates or another scale of the reward."
     )
 
 
@@ -57,13 +57,13 @@ def save_tensors(path: Path, tensors: Mapping[str, Tensor], metadata: dict[str, 
         NotFinite: A number is infinite or undefined. The file stays as it was.
     """
     check_finite("network", *tensors.values())
-    whole = {name: t.contiguous() for name, t in tensors.items()}
-    metadata = metadata | {_DIGEST: _digest(save(whole, metadata))}
-    write_whole(path, save(whole, metadata))
+    contiguous = {name: t.contiguous() for name, t in tensors.items()}
+    metadata = metadata | {_DIGEST: _digest(save(contiguous, metadata))}
+    write_whole(path, save(contiguous, metadata))
 
 
 def load_tensors(path: Path) -> tuple[dict[str, Tensor], dict[str, str]]:
-    """Return what ``save_tensors`` wrote.
+    """Load tensors and text that ``save_tensors`` wrote.
 
     Raises:
         SafetensorError: The file is not in this format, or is not as it was written. Files of
@@ -88,9 +88,9 @@ def _digest(content: bytes) -> str:
     """Return the SHA-256 digest of a safetensors file's header, but for the digest, and data."""
     header = _header_of(content)
     header.get(_METADATA, {}).pop(_DIGEST, None)
-    found = hashlib.sha256(json.dumps(header, sort_keys=True).encode())
-    found.update(memoryview(content)[8 + int.from_bytes(content[:8], "little") :])
-    return found.hexdigest()
+    digest = hashlib.sha256(json.dumps(header, sort_keys=True).encode())
+    digest.update(memoryview(content)[8 + int.from_bytes(content[:8], "little") :])
+    return digest.hexdigest()
 
 
 def prefixed(prefix: str, tensors: Mapping[str, Tensor], separator: str = "/") -> dict[str, Tensor]:
@@ -98,12 +98,14 @@ def prefixed(prefix: str, tensors: Mapping[str, Tensor], separator: str = "/") -
     return {f"{prefix}{separator}{name}": tensor for name, tensor in tensors.items()}
 
 
-def by_prefix(tensors: Mapping[str, Tensor], separator: str = "/") -> dict[str, dict[str, Tensor]]:
-    """Return the tensors grouped by the prefixes that ``prefixed`` gave them."""
+def split_by_prefix(
+    tensors: Mapping[str, Tensor], separator: str = "/"
+) -> dict[str, dict[str, Tensor]]:
+    """Group tensors by their prefix, the inverse of ``prefixed``."""
     groups: dict[str, dict[str, Tensor]] = {}
-    for name, tensor in tensors.items():
-        prefix, _, rest = name.partition(separator)
-        groups.setdefault(prefix, {})[rest] = tensor
+    for path, tensor in tensors.items():
+        prefix, _, name = path.partition(separator)
+        groups.setdefault(prefix, {})[name] = tensor
     return groups
 
 
@@ -124,7 +126,7 @@ def restore_training(
     separator: str = "/",
 ) -> None:
     """Put a network and its optimizer into the state that ``training_tensors`` returned."""
-    groups = by_prefix(tensors, separator)
+    groups = split_by_prefix(tensors, separator)
     network.load_state_dict(groups["network"])
     restore_optimizer(optimizer, list(network.parameters()), groups.get("optimizer", {}))
 

@@ -78,7 +78,7 @@ def _gpu_problem() -> str | None:
         is_available = torch.cuda.is_available()
     if not is_available:
         # PyTorch reports a driver that is too old as a warning.
-        return "; ".join(["PyTorch finds none", *(str(one.message) for one in caught)])
+        return "; ".join(["PyTorch finds none", *(str(warning.message) for warning in caught)])
     _configure_cudnn()
     try:
         return compare_gradients(torch.device("cuda", torch.cuda.current_device()))
@@ -105,12 +105,12 @@ def compare_gradients(device: torch.device) -> str | None:
             parameter.copy_(torch.randn(parameter.shape, generator=generator) * 0.05)
     inputs = torch.rand((16, 4, 84, 84), generator=generator)
     gradients: list[list[Tensor]] = []
-    for one in (CPU, device):
-        moved = copy.deepcopy(network).to(one)
-        F.softplus(moved(inputs.to(one))).sum().backward()  # type: ignore[no-untyped-call]
+    for place in (CPU, device):
+        moved = copy.deepcopy(network).to(place)
+        F.softplus(moved(inputs.to(place))).sum().backward()  # type: ignore[no-untyped-call]
         gradients.append([p.grad.cpu() for p in moved.parameters() if p.grad is not None])
-    for expected, found in zip(*gradients, strict=True):
-        difference = float((expected - found).norm() / expected.norm())
+    for expected, actual in zip(*gradients, strict=True):
+        difference = float((expected - actual).norm() / expected.norm())
         if not difference <= MAX_GRADIENT_DIFFERENCE:
             return f"its gradients differ from the CPU's by {difference:.1%}"
     return None

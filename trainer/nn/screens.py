@@ -21,8 +21,8 @@ def channels_last_screens(observations: Observations, out: Observations | None =
         out: Memory to write to, uint8 (N, 84, 84, 4). By default new memory, or none for
             observations that are in this order already.
     """
-    first, *others = observations.strides
-    if out is None and first >= 0 and tuple(others) == (1, SIZE * STACK, STACK):
+    frame_stride, *strides = observations.strides
+    if out is None and frame_stride >= 0 and tuple(strides) == (1, SIZE * STACK, STACK):
         return torch.from_numpy(observations)
     shape = (len(observations), SIZE, SIZE, STACK)
     interleaved = np.empty(shape, np.uint8) if out is None else out

@@ -14,9 +14,9 @@ def one_thread() -> Iterator[None]:
 
     Two threads are no faster on eight of them, and take the cores from the games' processes.
     """
-    before = torch.get_num_threads()
+    n_threads = torch.get_num_threads()
     torch.set_num_threads(1)
     try:
         yield
     finally:
-        torch.set_num_threads(before)
+        torch.set_num_threads(n_threads)

@@ -18,12 +18,12 @@ from torch import Tensor
 
 from trainer.nn.checkpoints import (
     CheckpointDamaged,
-    by_prefix,
     load_tensors,
     optimizer_tensors,
     prefixed,
     restore_optimizer,
     save_tensors,
+    split_by_prefix,
 )
 from trainer.policy.ppo import ImitationPPO
 from trainer.policy.vec_env import TrilVecEnv
@@ -45,7 +45,7 @@ def save_checkpoint(
     Args:
         path: The file, replaced as a whole.
         ppo: The training.
-        env: Its environments.
+        env: Environments of the training.
         extra: Further JSON-ready state.
         discriminator: Tensors of GAIL's discriminator; empty without one.
     """
@@ -77,7 +77,7 @@ def load_checkpoint(
     Args:
         path: The file.
         ppo: A new training by the same recipe.
-        env: Its environments, not reset yet.
+        env: Environments of the training, not reset yet.
 
     Returns:
         What save_checkpoint got as ``extra`` and ``discriminator``.
@@ -96,7 +96,7 @@ def load_checkpoint(
             " training begins anew."
         )
     state = json.loads(metadata["state"])
-    groups = by_prefix(tensors)
+    groups = split_by_prefix(tensors)
     parameters = dict(ppo.policy.named_parameters())
     with torch.no_grad():
         for name, parameter in parameters.items():

@@ -64,14 +64,14 @@ class LabelledGame:
     """A game with the expert's action in each of its states.
 
     Attributes:
-        seen: The observations and their *labels*, not the actions taken.
+        trajectory: Observations and their *labels*, not the actions taken.
         executed: The action of every frame, one byte each.
-        start: How the game began.
+        start: Start of the game.
         agreed: Share of the states in which the policy's likeliest action is the label, 0 to 1;
             None where no policy played.
     """
 
-    seen: Trajectory
+    trajectory: Trajectory
     executed: bytes
     start: Start
     agreed: float | None
@@ -87,9 +87,8 @@ def train_by_dagger(
     """Train an imitator by DAgger and save its best policy.
 
     Args:
-        task: What it is trained from: the behaviour, and the learned reward to choose by, but no
-            demonstrations. Steps are rounded up to whole games, which always end at the hit: after
-            it there is nothing to label.
+        task: Behaviour and learned reward, but no demonstrations. Steps are rounded up to whole
+            games, which always end at the player's death: after it there is nothing to label.
         path: Where the policy is saved, for plain ``PPO.load``.
         checkpoint_folder: An existing folder of this training alone, from which an interrupted
             training continues. At most a game or the training of one policy is lost.
@@ -144,9 +143,9 @@ def play_labelled(
         observations.append(game.observation)
         labels.append(label)
         on_step()
-    seen = Trajectory(np.stack(observations), np.array(labels, np.int64), game.taken, game.end)
+    labelled = Trajectory(np.stack(observations), np.array(labels, np.int64), game.taken, game.end)
     share = None if policy is None else agreed / len(labels)
-    return LabelledGame(seen, game.episode.actions, start, share)
+    return LabelledGame(labelled, game.episode.actions, start, share)
 
 
 class _Training:
@@ -188,7 +187,7 @@ class _Training:
     @property
     def _steps(self) -> int:
         """Steps played."""
-        return sum(game.seen.n_steps for game in self._games)
+        return sum(game.trajectory.n_steps for game in self._games)
 
     @property
     def _learned_steps(self) -> int:
@@ -240,7 +239,7 @@ class _Training:
             self._report_steps(steps)
 
         policy, result = train_clone(
-            [game.seen for game in self._games],
+            [game.trajectory for game in self._games],
             self._task.game.controls.n_actions,
             replace(
                 recipe.cloning,
@@ -252,11 +251,11 @@ class _Training:
             self._device,
         )
         policy.set_training_mode(False)
-        found, _ = evaluate_snapshot(
+        predicted_return, _ = evaluate_snapshot(
             self._task.game, Policy(policy), self._shaping, recipe, on_step
         )
         save_policy(policy, self._policy_file(steps))
-        self.snapshots.append(SnapshotScore(steps, found))
+        self.snapshots.append(SnapshotScore(steps, predicted_return))
         return result
 
     def _report_curves(self, expert_share: float, result: CloneResult) -> None:
@@ -272,11 +271,11 @@ class _Training:
         self._progress.advance(min(self._steps, self._task.steps), self._task.steps, values)
 
     def _game_metrics(self, game: LabelledGame) -> dict[str, float]:
-        seen = game.seen
-        rewards = self._task.model.score(seen.observations[1:])
+        trajectory = game.trajectory
+        rewards = self._task.model.score(trajectory.observations[1:])
         values = {"predicted_return": float(rewards.sum(dtype=np.float64))}
-        died = seen.end in DEATHS
-        values |= episode_metrics(self._task.behaviour, seen.n_steps, seen.taken, died)
+        died = trajectory.end in DEATHS
+        values |= episode_metrics(self._task.behaviour, trajectory.n_steps, trajectory.taken, died)
         if game.agreed is not None:
             values["agreement"] = game.agreed
         return values
@@ -286,9 +285,9 @@ class _Training:
 
     def _drop_superseded(self) -> None:
         """Remove all policies but the best and the latest."""
-        kept = {self.best, self._policy_file(self._learned_steps)}
+        needed = {self.best, self._policy_file(self._learned_steps)}
         for path in self._folder.glob("policy-*.zip"):
-            if path not in kept:
+            if path not in needed:
                 path.unlink()
 
     def _save(self) -> None:
@@ -333,7 +332,7 @@ def _to_dict(game: LabelledGame) -> dict[str, Any]:
     return {
         "start": asdict(game.start),
         "executed": base64.b64encode(game.executed).decode(),
-        "labels": base64.b64encode(bytes(game.seen.actions.tolist())).decode(),
+        "labels": base64.b64encode(bytes(game.trajectory.actions.tolist())).decode(),
         "agreed": game.agreed,
     }
 
@@ -341,6 +340,6 @@ def _to_dict(game: LabelledGame) -> dict[str, Any]:
 def _from_dict(data: dict[str, Any], console: Console) -> LabelledGame:
     start, executed = AtariStart(**data["start"]), base64.b64decode(data["executed"])
     labels: npt.NDArray[np.uint8] = np.frombuffer(base64.b64decode(data["labels"]), np.uint8)
-    seen = trajectory(Recording(SPACE_INVADERS, start, executed), console)
-    seen = replace(seen, actions=labels.astype(np.int64))
-    return LabelledGame(seen, executed, start, data["agreed"])
+    labelled = trajectory(Recording(SPACE_INVADERS, start, executed), console)
+    labelled = replace(labelled, actions=labels.astype(np.int64))
+    return LabelledGame(labelled, executed, start, data["agreed"])

@@ -39,13 +39,13 @@ class Discriminator:
 
     Args:
         demonstrated: The observations in which the demonstrations acted, uint8 (N, 4, 84, 84).
-        recipe: How it is learned.
+        recipe: Recipe of the discriminator.
         training_seed: Seeds all random numbers.
         device: Device of the network and of ``model``.
 
     Attributes:
         model: The network as a reward model, as of the last round.
-        rounds: How often it has learned.
+        rounds: Number of completed rounds.
     """
 
     def __init__(
@@ -76,11 +76,15 @@ class Discriminator:
             Invalid: There is none.
         """
         console = task.game.make_console()
-        shown = [trajectory(recording, console) for recording in task.perfect if recording.actions]
-        if not shown:
+        demonstrations = [
+            trajectory(recording, console) for recording in task.perfect if recording.actions
+        ]
+        if not demonstrations:
             raise Invalid("GAIL needs at least one perfect demonstration to learn from.")
         # Not the last states: the policy's rollouts have none in which a game was over either.
-        acted_in = np.concatenate([one.observations[:-1] for one in shown])
+        acted_in = np.concatenate(
+            [demonstration.observations[:-1] for demonstration in demonstrations]
+        )
         screens = channels_last_screens(acted_in)
         return cls(screens, task.recipe.gail, task.training_seed, device)
 

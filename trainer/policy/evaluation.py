@@ -35,11 +35,11 @@ class EvaluatedGame:
     """A game that a policy has played.
 
     Attributes:
-        start: How it began.
+        start: Start of the game.
         recording: The actions executed, without RAM hashes, which a verifying replay adds.
         taken: The items taken, in order of time.
         end: Name of the end.
-        died: Whether it ended with the player's death.
+        died: Whether the player died.
         counters: Counts, by name.
         score: Rewards of the game itself.
         rewards: R of the state that the policy played on from and of the state after each of its T
@@ -86,8 +86,8 @@ def play(
         end_rule: Name of the rule by which a loss ends a game; the default where it has no such.
         sampling_seed: Seeds one generator per game, so that a game does not depend on which others
             are played beside it.
-        sticky_action_probability: Of repeating the last frame's action; recordings hold the
-            executed actions. By default that of the action selection.
+        sticky_action_probability: Probability of repeating the last frame's action; recordings
+            hold the executed actions. By default that of the action selection.
         n_processes: See VectorGame.
         progress: Counts steps, up to the maximum of a game.
 
@@ -126,30 +126,32 @@ def play(
             ended = step.ended[:, None, None, None]
             reached = np.where(ended, step.terminal_observations, step.observations)
             _score(model, reached, playing, rewards)
-            finished |= {one.game: one for one in step.finished}
+            finished |= {game_end.game: game_end for game_end in step.finished}
             observations = step.observations
             playing = np.array([i for i in playing if i not in finished], np.int64)
             progress.advance(int(step.steps.max(initial=0)), max_steps)
     progress.advance(max_steps, max_steps)
     return [
         EvaluatedGame(
-            start=one.start,
-            recording=Recording(game, one.start, one.actions, end_rule=end_rule),
-            taken=one.taken,
-            end=one.end,
-            died=one.died,
-            counters=one.counters,
-            score=one.score,
+            start=finished_game.start,
+            recording=Recording(
+                game, finished_game.start, finished_game.actions, end_rule=end_rule
+            ),
+            taken=finished_game.taken,
+            end=finished_game.end,
+            died=finished_game.died,
+            counters=finished_game.counters,
+            score=finished_game.score,
             rewards=None if model is None else np.array(rewards[index], np.float32),
         )
-        for index, one in sorted(finished.items())
+        for index, finished_game in sorted(finished.items())
     ]
 
 
 def beginnings(
     game: Game, recipe: EvaluationRecipe, numbers: Sequence[int]
 ) -> list[Start | Opening]:
-    """Return where the games of evaluation starts begin, by the recipe with openings or without."""
+    """Return the beginnings of evaluation starts' games, by the recipe with openings or without."""
     return [evaluation_beginning(game.starts, number, recipe.openings) for number in numbers]
 
 

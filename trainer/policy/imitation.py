@@ -32,7 +32,7 @@ class ImitationTask:
         model: The learned reward.
         recordings: The ranked demonstrations.
         tiers: Indices into them, best tier first.
-        recipe: How it is trained.
+        recipe: Recipe of the training.
         steps: Training steps, rounded up to whole rollouts.
         training_seed: Seeds all random numbers.
         behaviour: For DAgger's expert and the curves of hits; PPO never looks at it.
@@ -75,7 +75,7 @@ class Snapshot:
     Attributes:
         policy: The policy, which learns on after this.
         steps: Training steps until then.
-        games: Its greedy games from training starts, see evaluate_snapshot.
+        games: Greedy games from training starts, see evaluate_snapshot.
     """
 
     policy: ScreenPolicy
@@ -100,7 +100,7 @@ class ImitatorResult:
 
 def best_snapshot(snapshots: Sequence[SnapshotScore]) -> SnapshotScore:
     """Return the snapshot of the highest return; of equal ones the latest."""
-    return max(snapshots, key=lambda one: (one.predicted_return, one.steps))
+    return max(snapshots, key=lambda snapshot: (snapshot.predicted_return, snapshot.steps))
 
 
 def evaluate_snapshot(
@@ -118,7 +118,7 @@ def evaluate_snapshot(
         game: The game.
         policy: The policy.
         shaping: The reward.
-        recipe: How many games there are, and how they end.
+        recipe: Recipe with the number of games and their end.
         on_step: Called after every step of the games; what it raises ends them.
     """
     games = play(
@@ -132,7 +132,7 @@ def evaluate_snapshot(
         progress=CallbackProgress(on_step),
     )
     returns = [
-        shaping.shaped_return(one.rewards, one.died) for one in games if one.rewards is not None
+        shaping.shaped_return(game.rewards, game.died) for game in games if game.rewards is not None
     ]
     return float(np.mean(returns)), games
 
@@ -150,8 +150,8 @@ def snapshot_starts(game: Game, recipe: Recipe) -> list[Start | Opening]:
 
 def training_starts(game: Game, recipe: Recipe) -> tuple[Start, ...]:
     """Return the starts that training games begin from."""
-    own = tuple(game.starts.evaluation(number) for number in recipe.policy.own_starts)
-    return own or tuple(game.starts.training)
+    starts = tuple(game.starts.evaluation(number) for number in recipe.policy.own_starts)
+    return starts or tuple(game.starts.training)
 
 
 def episode_metrics(
@@ -159,7 +159,7 @@ def episode_metrics(
 ) -> dict[str, float]:
     """Return the points of the curves for an episode; targets if the behaviour has target cells."""
     values = {"episode_steps": float(n_steps), "death_rate": float(died)}
-    cells = tuple(one.cell for one in taken)
+    cells = tuple(item.cell for item in taken)
     scored = score(behaviour, cells) if behaviour else None
     if scored is not None:
         values |= {"hits": float(scored.targets), "strays": float(scored.strays)}

@@ -69,7 +69,7 @@ def train_imitator(
     of the learned reward and learns after each rollout.
 
     Args:
-        task: What it is trained from.
+        task: Behaviour, reward and demonstrations to train from.
         path: Where the policy is saved, for plain ``PPO.load``.
         checkpoint_folder: An existing folder of this training alone, from which an interrupted
             training continues.
@@ -82,7 +82,7 @@ def train_imitator(
     Raises:
         Invalid: A warm start has no policy of the imitator's network to begin with, or GAIL no
             perfect demonstration.
-        CheckpointDamaged: What it goes on from is not as it was written.
+        CheckpointDamaged: The checkpoint differs from what was written.
         NotFinite: Learning has diverged.
         RunCancelled: Raised by ``progress``.
     """
@@ -164,18 +164,18 @@ def _training_starts(task: ImitationTask) -> TrainingStarts:
     best = best_ranked(task.tiers, task.recipe.policy.best_share)
     end_rule = task.game.known_end_rule(task.recipe.ending)
     logs = [
-        DemonstrationLog(task.game, recording.start, _actions_under(end_rule, recording))
+        DemonstrationLog(task.game, recording.start, _truncated_actions(end_rule, recording))
         for recording in (*(task.recordings[i] for i in best), *task.perfect)
         if recording.actions
     ]
     return TrainingStarts(task.game, starts, tuple(logs), share, opening_share)
 
 
-def _actions_under(end_rule: str, recording: Recording) -> bytes:
-    """Return a recording's actions until a game under another end rule is over.
+def _truncated_actions(end_rule: str, recording: Recording) -> bytes:
+    """Return a recording's actions up to the end of the game under another end rule.
 
-    By the count of lives a game goes on for two seconds after the player's death, in which nothing
-    is left to be learned where the death itself ends it.
+    By the count of lives a game continues for two seconds after the player's death. Where the
+    death ends the game, nothing can be learned from them.
     """
     if recording.end_rule == end_rule:
         return recording.actions
@@ -233,7 +233,9 @@ class _Reporter:
         if self.recent:
             # Episodes in the checkpoint of an earlier version may lack a name.
             for name in self.recent[-1]:
-                values[name] = float(np.mean([one[name] for one in self.recent if name in one]))
+                values[name] = float(
+                    np.mean([metrics[name] for metrics in self.recent if name in metrics])
+                )
         self._progress.advance(self.steps, self._task.steps, values)
 
 
@@ -285,15 +287,15 @@ class _TrainingCallback(BaseCallback):
 
     def _on_rollout_start(self) -> None:
         if self._rollouts:
-            self._between_rollouts()
+            self._on_rollout_end()
         self._rollouts += 1
 
-    def _between_rollouts(self) -> None:
+    def _on_rollout_end(self) -> None:
         self._reporter.report_rollout(self._train_discriminator())
-        done = self._ppo.num_timesteps
+        steps = self._ppo.num_timesteps
         last = max((s.steps for s in self.snapshots), default=0)
-        is_due = any(last < due <= done for due in self._task.recipe.policy.snapshot_steps)
-        if is_due or (done >= self._task.steps and last < done):
+        is_due = any(last < step <= steps for step in self._task.recipe.policy.snapshot_steps)
+        if is_due or (steps >= self._task.steps and last < steps):
             self._take_snapshot()
         if is_due or time.monotonic() - self._saved_at >= CHECKPOINT_INTERVAL_S:
             self._save()
@@ -308,7 +310,7 @@ class _TrainingCallback(BaseCallback):
     def finish(self) -> None:
         """Do what is due after the last rollout."""
         if self._rollouts:
-            self._between_rollouts()
+            self._on_rollout_end()
         if not self.snapshots:
             self._take_snapshot()
         self._save()
@@ -318,10 +320,10 @@ class _TrainingCallback(BaseCallback):
         policy, steps = self._ppo.policy, self._ppo.num_timesteps
         policy.set_training_mode(False)
         shaping, on_step = self._env.reward_shaping, self._reporter.on_step
-        found, games = evaluate_snapshot(
+        predicted_return, games = evaluate_snapshot(
             self._task.game, Policy(policy), shaping, self._task.recipe, on_step
         )
-        self.snapshots.append(SnapshotScore(steps, found))
+        self.snapshots.append(SnapshotScore(steps, predicted_return))
         if best_snapshot(self.snapshots).steps == steps:
             save_policy(policy, self._folder / _BEST)
         if steps:

@@ -109,7 +109,9 @@ class ImitationPPO(PPO):
             ScreenPolicy,
             env,
             # The last rollout may end beyond the training's length.
-            learning_rate=(lambda left: rate * max(left, 0.0)) if recipe.anneal_lr else rate,
+            learning_rate=(lambda remaining: rate * max(remaining, 0.0))
+            if recipe.anneal_lr
+            else rate,
             n_steps=recipe.n_steps,
             batch_size=recipe.n_envs * recipe.n_steps // recipe.n_minibatches,
             n_epochs=recipe.n_epochs,
@@ -167,21 +169,21 @@ class ImitationPPO(PPO):
         ends: list[EpisodeEnd] = []
         last_ended = self._last_episode_starts.copy()
         for step in range(buffer.buffer_size + 1):
-            for part, own in enumerate(games.parts):
+            for part, part_games in enumerate(games.parts):
                 if step:
                     played = games.step_wait(part)
-                    buffer.put_screens(step, own, played.observations)
-                    last_ended[own.start : own.stop] = played.ended
+                    buffer.put_screens(step, part_games, played.observations)
+                    last_ended[part_games.start : part_games.stop] = played.ended
                     ends += [
                         EpisodeEnd(
                             step - 1,
-                            one,
-                            played.terminal_observations[one.game - own.start].copy(),
+                            game,
+                            played.terminal_observations[game.game - part_games.start].copy(),
                         )
-                        for one in played.finished
+                        for game in played.finished
                     ]
                 if step < buffer.buffer_size:
-                    games.step_async(self._act(buffer, step, own), part)
+                    games.step_async(self._act(buffer, step, part_games), part)
             if step:
                 self.num_timesteps += games.n_games
                 self._on_step()
@@ -223,13 +225,13 @@ class ImitationPPO(PPO):
             return policy.extract_features(inputs.to(device))
 
     def _convolve(self, screens: Tensor) -> Tensor:
-        """Return what the policy's convolutions make of screens, (N, channels * 7 * 7)."""
+        """Return the outputs of the policy's convolutions for screens, (N, channels * 7 * 7)."""
         device = device_of(self.policy)
         with self._precision.autocast(device):
             return self.policy.features_extractor.convolve(screens.to(device))
 
     def _inputs(self) -> Tensor:
-        """Return what the policy learns from: the rollout's screens.
+        """Return the policy's inputs: the rollout's screens.
 
         Where the convolutions are frozen, what they made of the screens when the policy acted: it
         is the same in every epoch, and for the start policy.

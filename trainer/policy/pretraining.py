@@ -28,7 +28,7 @@ import numpy.typing as npt
 import torch
 from torch import nn
 
-from trainer.games.space_invaders.memory_reading import N_GAMES, Screens, learn_to_read, play_games
+from trainer.games.space_invaders.memory_reading import N_GAMES, Screens, play_games, train_readings
 from trainer.nn.precision import Precision
 from trainer.nn.seeding import torch_seeded
 from trainer.policy.evaluation import play
@@ -93,24 +93,26 @@ class NoReward(RewardModel):
         return np.zeros(len(observations), np.float32)
 
 
-def learn_to_see(screens: Screens, seed: int) -> tuple[ScreenPolicy, dict[str, dict[str, float]]]:
-    """Train the layers below the heads to predict the memory that varies and each move's outcome.
+def pretrain_vision(
+    screens: Screens, seed: int
+) -> tuple[ScreenPolicy, dict[str, dict[str, float]]]:
+    """Train the layers below the heads to predict varying memory and each move's outcome.
 
     Args:
-        screens: With outcomes.
+        screens: Screens with outcomes.
         seed: Seeds all random numbers.
 
     Returns:
-        The policy, whose heads are random, and the figures of ``learn_to_read``.
+        The policy, whose heads are random, and the figures of ``train_readings``.
     """
     rng = np.random.default_rng(seed)
     policy = new_policy(FAST.policy.network, SPACE_INVADERS.controls.n_actions, 0.0, rng)
     targets = [screens.memory(screens.varying()), screens.hits(), screens.shots()]
-    n_flags = sum(one.flags.shape[1] for one in targets)
+    n_flags = sum(target.flags.shape[1] for target in targets)
     with torch_seeded(rng):
         predicted = nn.Linear(policy.features_extractor.features_dim, n_flags)
     weights = [*policy.features_extractor.parameters(), *predicted.parameters()]
-    figures = learn_to_read(
+    figures = train_readings(
         lambda inputs: predicted(policy.extract_features(inputs)),
         weights,
         screens,
@@ -121,13 +123,13 @@ def learn_to_see(screens: Screens, seed: int) -> tuple[ScreenPolicy, dict[str, d
     return policy, figures
 
 
-def learn_to_survive(
+def pretrain_survival(
     policy: ScreenPolicy, games: Sequence[Recording], steps: int, seed: int, folder: Path
 ) -> ScreenPolicy:
-    """Return the policy after PPO has taught it to survive.
+    """Train a policy to survive by PPO.
 
     Args:
-        policy: The policy to begin with.
+        policy: Policy to begin with.
         games: Half of the episodes begin within them.
         steps: Training steps.
         seed: Seeds all random numbers.
@@ -169,15 +171,17 @@ def main() -> None:
     parser.add_argument("-o", "--output", type=Path, default=PRETRAINED)
     arguments = parser.parse_args()
     screens = play_games(arguments.games, arguments.seed, arguments.processes, look_ahead=True)
-    policy, figures = learn_to_see(screens, arguments.seed)
+    policy, figures = pretrain_vision(screens, arguments.seed)
     del screens
     rng, console = np.random.default_rng([arguments.seed, 1]), SPACE_INVADERS.make_console()
     games = [play_varied(rng, console).recording for _ in range(N_STARTING_GAMES)]
     with tempfile.TemporaryDirectory() as folder:
-        policy = learn_to_survive(policy, games, arguments.steps, arguments.seed, Path(folder))
-    said = json.dumps(figures | {"n_steps": arguments.steps, "death_rate": death_rate(policy)})
-    save_pretrained(policy, arguments.output, said)
-    sys.stdout.write(f"{said}\n")
+        policy = pretrain_survival(policy, games, arguments.steps, arguments.seed, Path(folder))
+    figures_text = json.dumps(
+        figures | {"n_steps": arguments.steps, "death_rate": death_rate(policy)}
+    )
+    save_pretrained(policy, arguments.output, figures_text)
+    sys.stdout.write(f"{figures_text}\n")
 
 
 if __name__ == "__main__":

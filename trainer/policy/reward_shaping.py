@@ -47,11 +47,11 @@ class RewardShaping:
             model, recipe.reward, recipe.death_penalty, recipe.reward_scale, recipe.death_forfeit
         )
 
-    def shape(self, before: Rewards, reached: Rewards, died: npt.NDArray[np.bool_]) -> Rewards:
+    def shape(self, previous: Rewards, reached: Rewards, died: npt.NDArray[np.bool_]) -> Rewards:
         """Return the reward of each step, float32 (N,).
 
         Args:
-            before: R of the states before the steps, float32 (N,).
+            previous: R of the states before the steps, float32 (N,).
             reached: R of the states that the steps led to, float32 (N,): of the episode's last
                 state where the step ended it.
             died: Whether the player was hit in the step, bool (N,).
@@ -63,10 +63,10 @@ class RewardShaping:
         elif self.kind == "level":
             shaped = self.model.level(reached)
         else:
-            shaped = self.model.level(reached) - self.model.level(before)
+            shaped = self.model.level(reached) - self.model.level(previous)
         lost = self.death_penalty * died
         if self.death_forfeit:
-            lost = lost + self.death_forfeit * died * self.model.level(before).clip(0.0)
+            lost = lost + self.death_forfeit * died * self.model.level(previous).clip(0.0)
         return np.asarray(self.scale * (shaped - lost), np.float32)
 
     def shaped_return(self, rewards: Rewards, died: bool) -> float:

@@ -20,8 +20,8 @@ class Minibatch(NamedTuple):
     """A random part of a rollout; see stable-baselines3's RolloutBufferSamples.
 
     Attributes:
-        inputs: Of the policy: uint8 (B, 4, 84, 84) in channels-last order, or what frozen
-            convolutions make of them, float32 (B, N).
+        inputs: Inputs of the policy: uint8 (B, 4, 84, 84) in channels-last order, or outputs of
+            frozen convolutions, float32 (B, N).
         actions: int64 (B,).
         old_log_probs: Log probabilities of the actions when they were sampled, float32 (B,).
         advantages: float32 (B,).
@@ -105,7 +105,7 @@ class ScreenRolloutBuffer(RolloutBuffer):
 
         Args:
             step: Number of the step; the buffer's size for the states after the last one.
-            games: Which games' states they are.
+            games: Games of the states.
             observations: uint8 (games, 4, 84, 84).
         """
         channels_last_screens(observations, self._of(step, games).numpy())
@@ -126,10 +126,10 @@ class ScreenRolloutBuffer(RolloutBuffer):
         log_probs: Tensor,
     ) -> None:
         """Write the games' actions in a step, the values before it and the log probabilities."""
-        own = slice(games.start, games.stop)
-        self.actions[step, own, 0] = actions
-        self.values[step, own] = values.numpy()
-        self.log_probs[step, own] = log_probs.numpy()
+        columns = slice(games.start, games.stop)
+        self.actions[step, columns, 0] = actions
+        self.values[step, columns] = values.numpy()
+        self.log_probs[step, columns] = log_probs.numpy()
 
     def put_rewards(self, rewards: npt.NDArray[np.float32]) -> None:
         """Write the rewards of all steps, float32 (steps, games), which completes the rollout."""

@@ -117,14 +117,14 @@ class TrilVecEnv(VecEnv):
         """
         model = self.reward_shaping.model
         scores = model.score(observations).reshape(-1, self.num_envs)
-        before, reached = scores[:-1], scores[1:].copy()
+        previous, reached = scores[:-1], scores[1:].copy()
         died = np.zeros(reached.shape, np.bool_)
         if ends:
-            last = model.score(np.stack([one.last_observation for one in ends]))
+            last = model.score(np.stack([end.last_observation for end in ends]))
             for end, score in zip(ends, last.tolist(), strict=True):
                 reached[end.step, end.game.game] = score
                 died[end.step, end.game.game] = end.game.died
-        rewards = self.reward_shaping.shape(before, reached, died)
+        rewards = self.reward_shaping.shape(previous, reached, died)
         return rewards, self._finish_episodes(reached, rewards, ends)
 
     def _finish_episodes(

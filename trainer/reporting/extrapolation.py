@@ -82,7 +82,7 @@ def extrapolate(
 
     Args:
         quantity: The player's reward, by which its games are ranked.
-        recipe: How the reward is learned; there are no perfect demonstrations.
+        recipe: Recipe of the reward; there are no perfect demonstrations.
         training_seed: Feeds every random choice.
         progress: Told of the player's training and the reward model's, half of the work each.
         plan: Checkpoints and games; SkillPlan's defaults if None.
@@ -104,9 +104,9 @@ def extrapolate(
             f"All games that could demonstrate are worth {worths[chosen[0]]}: the player needs more"
             " training steps before they differ."
         )
-    seen = [trajectory(game.recording) for _, game in played]
+    trajectories = [trajectory(game.recording) for _, game in played]
     dataset = PreferenceDataset.from_demonstrations(
-        [seen[index] for index in chosen], tiers, recipe.reward
+        [trajectories[index] for index in chosen], tiers, recipe.reward
     )
     model = train_reward_model(dataset, training_seed, ScaledProgress(progress, 0.5, 1.0))
     return Extrapolation(
@@ -115,7 +115,7 @@ def extrapolate(
             SkilledGame(
                 step,
                 worths[index],
-                predicted_return(model, seen[index].observations),
+                predicted_return(model, trajectories[index].observations),
                 index in chosen,
             )
             for index, (step, _) in enumerate(played)

@@ -91,8 +91,8 @@ def attention_figure(title: str, states: Sequence[tuple[str, Path, Path]]) -> by
     """Put attention maps above the screens that they are of, pixel by pixel.
 
     Args:
-        title: What the reward model was learned from.
-        states: Of each state its name and the pictures of its map and of its screen.
+        title: Title of the figure, the reward model's training data.
+        states: Name, map picture and screen picture of each state.
     """
     margin, head = 8, 56
     pictures = [[Image.open(path).convert("RGB") for path in paths] for _, *paths in states]
@@ -131,7 +131,7 @@ def aliens_figure(
 
     Args:
         rows: The games.
-        columns: Of each who played (a key of COLOURS), and its heading.
+        columns: Player (a key of COLOURS) and heading of each column.
         form: Format of the figure.
     """
     figure, axes = _grid_of_axes(
@@ -155,7 +155,7 @@ def returns_figure(panels: Sequence[tuple[str, Entry]], form: PictureForm = SCRE
     of an earlier version, which did not keep them.
 
     Args:
-        panels: Of each its title and the result that it shows.
+        panels: Title and result of each panel.
         form: Format of the figure.
     """
     measure: Measure = (
@@ -167,12 +167,12 @@ def returns_figure(panels: Sequence[tuple[str, Entry]], form: PictureForm = SCRE
     figure, axes = _grid_of_axes(width, height, n_rows, n_columns)
     flat = [axis for row in axes for axis in row]
     for axis, (title, entry) in zip(flat, panels, strict=False):
-        ranks = [one.rank for one in entry.demonstrations]
-        predicted = [getattr(one, measure) for one in entry.demonstrations]
+        ranks = [demonstration.rank for demonstration in entry.demonstrations]
+        predicted = [getattr(demonstration, measure) for demonstration in entry.demonstrations]
         axis.plot(ranks, predicted, "o", color=COLOURS["imitator"], markersize=4)
         tau = entry.check.get("tau")
-        said = title if tau is None else f"{title}, tau {tau:.2f}"
-        axis.set_title(said, fontsize=9, loc="left")
+        label = title if tau is None else f"{title}, tau {tau:.2f}"
+        axis.set_title(label, fontsize=9, loc="left")
         last = max(ranks, default=1)
         axis.set_xticks(sorted({1, -(-last // 2), last}))
         _calm(axis)
@@ -207,13 +207,13 @@ def extrapolation_figure(
     return returns_scatter(
         [
             ReturnsGroup(
-                f"{one.player}, {kinds[one.demonstrated]}",
-                COLOURS[one.player],
-                MARKS[one.player],
-                one.demonstrated,
-                [(game.true_quantity, game.predicted) for game in one.games],
+                f"{games.player}, {kinds[games.demonstrated]}",
+                COLOURS[games.player],
+                MARKS[games.player],
+                games.demonstrated,
+                [(game.true_quantity, game.predicted) for game in games.games],
             )
-            for one in groups
+            for games in groups
         ],
         quantity,
         MEASURES[groups[0].measure],
@@ -221,18 +221,20 @@ def extrapolation_figure(
     )
 
 
-def experiment_figure(found: Extrapolation) -> bytes:
+def experiment_figure(extrapolation: Extrapolation) -> bytes:
     """Draw the same for an extrapolation experiment."""
     groups = [
-        ReturnsGroup("demonstrations", "#c2371f", "o", True, _points(found.demonstrations)),
+        ReturnsGroup("demonstrations", "#c2371f", "o", True, _points(extrapolation.demonstrations)),
         ReturnsGroup(
-            "unseen games within their range", "#0067b0", "o", False, _points(found.unseen)
+            "unseen games within their range", "#0067b0", "o", False, _points(extrapolation.unseen)
         ),
-        ReturnsGroup("unseen games beyond it", "#6a4c93", "o", False, _points(found.beyond)),
+        ReturnsGroup(
+            "unseen games beyond it", "#6a4c93", "o", False, _points(extrapolation.beyond)
+        ),
     ]
-    quantity = QUANTITIES[found.experiment.quantity]
-    shown = [one for one in groups if one.points]
-    return returns_scatter(shown, quantity, MEASURES["predicted_return"], set_apart=False)
+    quantity = QUANTITIES[extrapolation.experiment.quantity]
+    nonempty = [group for group in groups if group.points]
+    return returns_scatter(nonempty, quantity, MEASURES["predicted_return"], set_apart=False)
 
 
 def _points(games: Sequence[SkilledGame]) -> list[tuple[float, float]]:
@@ -254,15 +256,15 @@ def returns_scatter(
 
     Args:
         groups: The games, at least one in each group.
-        quantity: What the true quantity counts.
-        measure: What of R is drawn.
+        quantity: Label of the true quantity.
+        measure: Label of the prediction.
         set_apart: Whether marks that share a quantity are set apart by their groups.
         form: Format of the figure.
     """
     figure, ((axis,),) = _grid_of_axes(6.0, 4.0, 1, 1)
-    shown = [point for group in groups if group.demonstrated for point in group.points]
-    if shown:
-        worths, predicted = zip(*shown, strict=True)
+    demonstrated = [point for group in groups if group.demonstrated for point in group.points]
+    if demonstrated:
+        worths, predicted = zip(*demonstrated, strict=True)
         axis.axvspan(min(worths) - 0.5, max(worths) + 0.5, color=_BAND, linewidth=0)
         axis.axhline(max(predicted), color=_FAINT, linewidth=1, linestyle="--")
         axis.axhline(min(predicted), color=_FAINT, linewidth=1, linestyle="--")
@@ -293,8 +295,8 @@ def curves_figure(
     """Draw curves below each other, sharing their horizontal axis.
 
     Args:
-        curves: Of each its label, a colour and its points (step, value).
-        x_label: What the steps count.
+        curves: Label, colour and points (step, value) of each curve.
+        x_label: Label of the steps.
         form: Format of the figure.
     """
     figure, axes = _grid_of_axes(6.4, 1.6 * len(curves) + 0.6, len(curves), 1, share_x=True)

@@ -41,7 +41,7 @@ class LedgerCell:
     Attributes:
         behaviour: Short name of the behaviour.
         recipe: Name of the recipe.
-        digest: Of the recipe's values, see recipe_digest.
+        digest: Digest of the recipe's values, see recipe_digest.
         steps: Steps of the imitator's training games.
         training_seed: Feeds every random choice.
         own_starts: As in PolicyRecipe.
@@ -78,7 +78,7 @@ class LedgerGame(NamedTuple):
         held_out: Whether no demonstration began from that start.
         hits: The items taken, in order of time.
         steps: Length of the game.
-        died: Whether it ended by a hit on the player.
+        died: Whether the player died.
         predicted_return: Sum of R over its observations, if it was computed.
     """
 
@@ -91,11 +91,11 @@ class LedgerGame(NamedTuple):
 
     def figures(self, behaviour: Behaviour) -> GameFigures:
         """Return the game in numbers."""
-        found = score(behaviour, self.hits)
+        outcome = score(behaviour, self.hits)
         return GameFigures(
-            None if found is None else found.targets,
-            None if found is None else found.strays,
-            None if found is None else found.order_errors,
+            None if outcome is None else outcome.targets,
+            None if outcome is None else outcome.strays,
+            None if outcome is None else outcome.order_errors,
             self.steps,
             self.died,
             self.predicted_return,
@@ -120,12 +120,12 @@ class Entry:
     """The result of a run.
 
     Attributes:
-        version: Of the format.
+        version: Version of the format.
         cell: Names it.
         finished_at: When, ISO 8601.
         seconds: Work of each stage, in seconds.
         check: Kendall's tau and accuracies of the reward model; empty if it was not checked.
-        versions: Of the software, and what the policy learned on (PRECISION, DEVICE).
+        versions: Versions of the software, with the policy's PRECISION and DEVICE.
         demonstrations: The ranking that was learned from.
         games: All evaluation games by policy and action selection, e.g. "imitator greedy".
         changes: Values, by dotted path, in which the recipe differs from the built-in one.
@@ -152,7 +152,7 @@ class Entry:
     @property
     def has_levels(self) -> bool:
         """Whether the final levels of all demonstrations are known."""
-        return all(one.final_level is not None for one in self.demonstrations)
+        return all(demonstration.final_level is not None for demonstration in self.demonstrations)
 
     @property
     def minutes(self) -> float:
@@ -195,18 +195,18 @@ class Ledger:
     @property
     def extrapolations(self) -> Sequence[Extrapolation]:
         """The results of extrapolation experiments, in their order."""
-        return [self._extrapolations[one] for one in sorted(self._extrapolations)]
+        return [self._extrapolations[key] for key in sorted(self._extrapolations)]
 
-    def missing(self, wanted: Iterable[Key]) -> list[Key]:
-        """Return which results are not there, in the order given."""
-        known: set[object] = {*self._entries, *self._extrapolations}
-        return [key for key in wanted if key not in known]
+    def missing(self, keys: Iterable[Key]) -> list[Key]:
+        """Return the missing results, in the given order."""
+        present: set[object] = {*self._entries, *self._extrapolations}
+        return [key for key in keys if key not in present]
 
     def add(self, result: Entry | Extrapolation) -> None:
         """Add or replace a result, and write the file as a whole."""
         self._keep(result)
         results: list[Entry | Extrapolation] = [*self.entries, *self.extrapolations]
-        lines = [_RESULT.dump_json(one) for one in results]
+        lines = [_RESULT.dump_json(result) for result in results]
         self.path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(self.path, b"".join(line + b"\n" for line in lines))
 

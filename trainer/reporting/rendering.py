@@ -65,5 +65,5 @@ def _interval(value: Interval | None, form: str = ".2f") -> str:
 
 
 def _counting(count: int, noun: str) -> str:
-    """Return how many there are of something: "1 stray", "2 strays"."""
+    """Format a count: "1 stray", "2 strays"."""
     return f"{count} {noun}" + ("" if count == 1 else "s")

@@ -40,8 +40,8 @@ class Duel:
         """Who won; nothing where a game is missing or the behaviour has no target."""
         if self.imitator is None or self.clone is None:
             return ""
-        ours, theirs = (game.figures(self.behaviour) for game in (self.imitator, self.clone))
-        return winner(ours, theirs) or ""
+        imitator, clone = (game.figures(self.behaviour) for game in (self.imitator, self.clone))
+        return winner(imitator, clone) or ""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class ResultGroup:
     """The results of one behaviour, recipe, number of steps and kind of demonstrations.
 
     Attributes:
-        behaviour: What was taught.
+        behaviour: Behaviour of the results.
         entries: The results by training seed, at least one.
     """
 
@@ -73,7 +73,7 @@ class ResultGroup:
         return f"{self.behaviour.name} ({', '.join(remarks)})" if remarks else self.behaviour.name
 
     def _remarks(self) -> list[str]:
-        """Return how the recipe differs from today's built-in one; nothing if it does not."""
+        """Return the recipe's differences from today's built-in one; empty if there are none."""
         changes = self.entries[0].changes
         if self.is_current:
             return []
@@ -108,7 +108,7 @@ class ResultGroup:
 
     def values(self, policy: str, action_selection: str, name: str) -> list[list[float]]:
         """Return a figure of the held-out games of each training that has it."""
-        found = (
+        figures_by_entry = (
             [
                 float(value)
                 for game in entry.of(policy, action_selection)
@@ -117,7 +117,7 @@ class ResultGroup:
             ]
             for entry in self.entries
         )
-        return [values for values in found if values]
+        return [values for values in figures_by_entry if values]
 
     def lowest(self, name: str) -> float | None:
         """Return the lowest of a figure of the reward models' checks; None if there is none."""
@@ -131,14 +131,17 @@ def group_results(entries: Iterable[Entry]) -> list[ResultGroup]:
     The built-in values of a recipe come before changed ones.
     """
     built_in = {name: recipe_digest(recipe) for name, recipe in RECIPES.items()}
-    found: dict[tuple[int, int, str, bool, str, str], list[Entry]] = {}
+    entries_by_key: dict[tuple[int, int, str, bool, str, str], list[Entry]] = {}
     for entry in entries:
         cell = entry.cell
         place, changed = PLACES[cell.behaviour], cell.digest != built_in[cell.recipe]
         key = (place, cell.steps, cell.recipe, changed, cell.digest, cell.demonstrations)
-        found.setdefault(key, []).append(entry)
+        entries_by_key.setdefault(key, []).append(entry)
     behaviours = published()
-    return [ResultGroup(behaviours[key[0]], tuple(found[key])) for key in sorted(found)]
+    return [
+        ResultGroup(behaviours[key[0]], tuple(entries_by_key[key]))
+        for key in sorted(entries_by_key)
+    ]
 
 
 def over_behaviours(

@@ -60,9 +60,9 @@ class RecipeSection:
     """The results of a recipe.
 
     Attributes:
-        recipe: Its name.
+        recipe: Name of the recipe.
         groups: The results.
-        rows: Their games.
+        rows: Games of the recipe.
         shown: The groups in the pictures: of each behaviour the one with most steps.
     """
 
@@ -84,7 +84,13 @@ class RecipeSection:
     @property
     def ranks(self) -> list[int]:
         """The ranks of demonstrations."""
-        return sorted({one.rank for g in self.shown for one in g.entries[0].demonstrations})
+        return sorted(
+            {
+                demonstration.rank
+                for g in self.shown
+                for demonstration in g.entries[0].demonstrations
+            }
+        )
 
 
 def cell_folder(entry: Entry) -> str:
@@ -109,8 +115,8 @@ def write_page(folder: Path) -> Path:
         write_whole(folder / f"aliens-{section.recipe}.png", _aliens(section.shown))
         panels = [(group.behaviour.name, group.entries[0]) for group in section.shown]
         write_whole(folder / f"returns-{section.recipe}.png", returns_figure(panels))
-    for found in ledger.extrapolations:
-        write_whole(folder / found.experiment.picture, experiment_figure(found))
+    for extrapolation in ledger.extrapolations:
+        write_whole(folder / extrapolation.experiment.picture, experiment_figure(extrapolation))
     _draw_attention(folder, [group for section in sections for group in section.shown])
     page = folder / "README.md"
     write_whole(page, page_text(folder).encode())
@@ -125,7 +131,7 @@ def page_text(folder: Path) -> str:
     """
     ledger = Ledger(folder)
     held_out = [entry for entry in _known(ledger) if not entry.cell.own_starts]
-    others = _compared(
+    compared = _compared(
         held_out,
         lambda cell: (PLACES[cell.behaviour], cell.recipe, cell.digest, cell.steps),
         lambda cell: cell.demonstrations,
@@ -134,8 +140,8 @@ def page_text(folder: Path) -> str:
     return render(
         "results.md.j2",
         sections=_sections(folder, ledger),
-        others=others,
-        kinds=[one for one in KINDS if one.name in {g.cell.demonstrations for g in others}],
+        others=compared,
+        kinds=[kind for kind in KINDS if kind.name in {g.cell.demonstrations for g in compared}],
         own_starts=_own_starts(folder, _known(ledger)),
         extrapolations=ledger.extrapolations,
         starts=STARTS,
@@ -161,7 +167,7 @@ def _reward_name(experiment: Experiment) -> str:
 def _known(ledger: Ledger) -> list[Entry]:
     """Return the results of recipes and behaviours that this version has."""
     cells = ((entry, entry.cell) for entry in ledger.entries)
-    return [one for one, cell in cells if cell.recipe in RECIPES and cell.behaviour in PLACES]
+    return [entry for entry, cell in cells if cell.recipe in RECIPES and cell.behaviour in PLACES]
 
 
 def _sections(folder: Path, ledger: Ledger) -> list[RecipeSection]:
@@ -173,7 +179,7 @@ def _sections(folder: Path, ledger: Ledger) -> list[RecipeSection]:
     return [
         _section(folder, recipe, groups)
         for recipe in RECIPES
-        if (groups := group_results(one for one in ordinary if one.cell.recipe == recipe))
+        if (groups := group_results(entry for entry in ordinary if entry.cell.recipe == recipe))
     ]
 
 
@@ -184,8 +190,8 @@ def _section(folder: Path, recipe: str, groups: list[ResultGroup]) -> RecipeSect
         for group in groups
         for entry in group.entries
     ]
-    shown = {group.behaviour: group for group in current}
-    return RecipeSection(recipe, groups, rows, list(shown.values()))
+    groups_by_behaviour = {group.behaviour: group for group in current}
+    return RecipeSection(recipe, groups, rows, list(groups_by_behaviour.values()))
 
 
 def _pages(folder: Path, entries: Mapping[int, Entry]) -> dict[int, str]:
@@ -204,12 +210,12 @@ def _compared(
 
     Args:
         entries: All results.
-        fixed: What those that are compared have in common, and are sorted by.
-        varied: In what they differ.
-        order: Its values, the ordinary one first.
+        fixed: Properties that compared results share, also the sort key.
+        varied: Property in which compared results differ.
+        order: Values of ``varied``, the ordinary one first.
     """
     entries = [entry for entry in entries if varied(entry.cell) in order]
-    compared = {fixed(one.cell) for one in entries if varied(one.cell) != order[0]}
+    compared = {fixed(entry.cell) for entry in entries if varied(entry.cell) != order[0]}
     return sorted(
         group_results(entry for entry in entries if fixed(entry.cell) in compared),
         key=lambda group: (fixed(group.cell), order.index(varied(group.cell))),
@@ -218,18 +224,18 @@ def _compared(
 
 def _own_starts(folder: Path, entries: Sequence[Entry]) -> list[StartsRow]:
     """Return the games of policies that were trained on the start that they are judged on."""
-    found: dict[tuple[int, str, int, int], dict[int, Entry]] = {}
+    entries_by_key: dict[tuple[int, str, int, int], dict[int, Entry]] = {}
     for entry in entries:
         cell = entry.cell
         if len(cell.own_starts) == 1 and cell.demonstrations == SCRIPTED.name:
             key = (PLACES[cell.behaviour], cell.recipe, cell.steps, cell.training_seed)
-            found.setdefault(key, {})[cell.own_starts[0]] = entry
+            entries_by_key.setdefault(key, {})[cell.own_starts[0]] = entry
     rows = []
-    for (place, *_), by_start in sorted(found.items()):
+    for (place, *_), by_start in sorted(entries_by_key.items()):
         behaviour = published()[place]
         groups = {n: ResultGroup(behaviour, (entry,)) for n, entry in by_start.items()}
-        none = Duel(behaviour, 0, None, None)
-        duels = [groups[n].duels([n])[0] if n in groups else none for n in STARTS]
+        no_duel = Duel(behaviour, 0, None, None)
+        duels = [groups[n].duels([n])[0] if n in groups else no_duel for n in STARTS]
         entry = next(iter(by_start.values()))
         rows.append(StartsRow(behaviour.name, entry, duels, _pages(folder, by_start)))
     return rows
@@ -239,9 +245,9 @@ def _aliens(groups: Sequence[ResultGroup]) -> bytes:
     rows = []
     for group in groups:
         by_policy = zip(*(duel.hits for duel in group.duels(STARTS)), strict=True)
-        hits = tuple(one for policy in by_policy for one in policy)
+        hits = tuple(hits_of_game for policy in by_policy for hits_of_game in policy)
         rows.append(AliensRow(group.behaviour.name, group.behaviour, hits))
-    columns = [(one, f"{one.capitalize()}, start {n}") for one in POLICIES for n in STARTS]
+    columns = [(policy, f"{policy.capitalize()}, start {n}") for policy in POLICIES for n in STARTS]
     return aliens_figure(rows, columns)
 
 

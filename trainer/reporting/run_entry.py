@@ -41,11 +41,11 @@ def read_entry(database: Database, run_id: str) -> Entry:
 
 
 def entry_of(session: Session, run: RunRow) -> Entry:
-    """Return what there is of a run, ``finished_at`` empty while it goes on.
+    """Return the ledger entry of a run, ``finished_at`` empty while it is not over.
 
     Raises:
-        NotFound: Its behaviour was deleted.
-        Invalid: Its recipe is one of another version.
+        NotFound: The run's behaviour was deleted.
+        Invalid: The run's recipe belongs to another version.
     """
     recipe = recipe_from_dict(run.recipe)
     changes = changed_values(recipe, RECIPES[recipe.name]) if recipe.name in RECIPES else {}
@@ -54,7 +54,7 @@ def entry_of(session: Session, run: RunRow) -> Entry:
     returns = check.predicted_returns if check else {}
     levels = check.final_levels if check else {}
     tiers = run.snapshot.tiers if run.snapshot else []
-    shown = recordings.by_ids(session, list(returns))
+    rows = recordings.by_ids(session, list(returns))
     games = defaultdict(list)
     for row in evaluations.listing(session, run.id):
         figures = evaluations.figures_of(row)
@@ -76,12 +76,12 @@ def entry_of(session: Session, run: RunRow) -> Entry:
         check=check.figures if check else {},
         versions=run.versions | {name: value for name, value in learned_on.items() if value},
         demonstrations=tuple(
-            LedgerDemonstration(rank, cells(shown[number]), returns[number], levels.get(number))
+            LedgerDemonstration(rank, cells(rows[number]), returns[number], levels.get(number))
             for rank, tier in enumerate(tiers, start=1)
             for number in tier
             if number in returns
         ),
-        games={key: tuple(found) for key, found in games.items()},
+        games={key: tuple(played) for key, played in games.items()},
         # As JSON gives them back.
         changes={k: list(v) if isinstance(v, tuple) else v for k, v in changes.items()},
     )

@@ -59,7 +59,7 @@ class RunReport:
 
     Attributes:
         view: Variables of their templates, without the pictures.
-        figures: By name, in the order in which they are shown.
+        figures: Figures by name, in page order.
         attention: The files of the attention maps by name.
     """
 
@@ -82,7 +82,7 @@ def write_report(database: Database, store: ArtifactStore, run_id: str, folder: 
 
     Raises:
         NotFound: No such run, or its behaviour was deleted.
-        Invalid: Its recipe is one of another version.
+        Invalid: The run's recipe belongs to another version.
     """
     report = read_report(database, store, run_id)
     pictures = {f"{name}.png": draw(form=SCREEN) for name, draw in report.figures.items()}
@@ -122,9 +122,9 @@ def read_report(database: Database, store: ArtifactStore, run_id: str) -> RunRep
         quantity = "targets hit, less strays"
         figures["extrapolation"] = partial(extrapolation_figure, judged, quantity)
     # A training in which no game ended has no curves.
-    shown = [(label, COLOURS["imitator"], curves[n]) for n, label in CURVES.items() if n in curves]
-    if shown:
-        figures["curves"] = partial(curves_figure, shown, "steps of training games")
+    drawn = [(label, COLOURS["imitator"], curves[n]) for n, label in CURVES.items() if n in curves]
+    if drawn:
+        figures["curves"] = partial(curves_figure, drawn, "steps of training games")
     view = {
         "behaviour": behaviour,
         "result": result,
@@ -162,6 +162,9 @@ def _aliens(duels: list[Duel], best: RecordingRow | None, *, form: PictureForm) 
     columns = [("imitator", "Imitator"), ("clone", "Clone")]
     if best is not None:
         columns.append((PLAYERS[best.source], "Best demonstration"))
-    shown = () if best is None else (cells(best),)
-    rows = [AliensRow(f"start {one.start}", one.behaviour, (*one.hits, *shown)) for one in duels]
+    demonstrations = () if best is None else (cells(best),)
+    rows = [
+        AliensRow(f"start {duel.start}", duel.behaviour, (*duel.hits, *demonstrations))
+        for duel in duels
+    ]
     return aliens_figure(rows, columns, form)

@@ -76,8 +76,8 @@ def read_scores(database: Database, run_id: str) -> ScoreResult:
 def scores_of(session: Session, run: RunRow) -> ScoreResult:
     """Return the scores of a run's games, as far as they were played."""
     ranked = run.snapshot.ranked if run.snapshot else []
-    shown = recordings.by_ids(session, ranked)
-    scores = [shown[key].score for key in ranked if key in shown]
+    rows = recordings.by_ids(session, ranked)
+    scores = [rows[key].score for key in ranked if key in rows]
     games = defaultdict(list)
     for row in evaluations.listing(session, run.id):
         if row.held_out and row.recording.score is not None:

@@ -28,9 +28,9 @@ class Experiment:
     """Names one extrapolation experiment.
 
     Attributes:
-        quantity: What the games are ranked by.
+        quantity: Quantity that ranks the games.
         recipe: Name of the recipe whose reward is learned.
-        digest: Of the recipe's reward part, see recipe_digest; no other part matters.
+        digest: Digest of the recipe's reward part, see recipe_digest; no other part matters.
         training_seed: Feeds every random choice.
     """
 
@@ -96,7 +96,9 @@ class Extrapolation:
         return sum(game.predicted_return > highest for game in self.beyond)
 
     def _is_beyond(self, game: SkilledGame) -> bool:
-        return game.true_quantity > max(one.true_quantity for one in self.demonstrations)
+        return game.true_quantity > max(
+            demonstration.true_quantity for demonstration in self.demonstrations
+        )
 
 
 def tau_of(games: Sequence[SkilledGame]) -> float | None:
@@ -109,7 +111,7 @@ def tau_of(games: Sequence[SkilledGame]) -> float | None:
 
 def tiers_by(worths: Sequence[float]) -> list[list[int]]:
     """Return the indices in tiers of equal worth, best first."""
-    found: dict[float, list[int]] = defaultdict(list)
+    indices_by_worth: dict[float, list[int]] = defaultdict(list)
     for index, worth in enumerate(worths):
-        found[worth].append(index)
-    return [found[worth] for worth in sorted(found, reverse=True)]
+        indices_by_worth[worth].append(index)
+    return [indices_by_worth[worth] for worth in sorted(indices_by_worth, reverse=True)]

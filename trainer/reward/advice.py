@@ -19,7 +19,7 @@ def advice(check: RankingCheck, *, aliens_alone: bool = False) -> str:
     """Return what the model did not learn of the ranking and what to do; empty if it passed.
 
     Args:
-        check: Of the ranking.
+        check: Check of the ranking.
         aliens_alone: Whether the model can only learn which aliens are wanted.
     """
     if check.passed:
@@ -58,7 +58,7 @@ def advice(check: RankingCheck, *, aliens_alone: bool = False) -> str:
 
 
 def warning(check: RankingCheck) -> str:
-    """Return what is doubtful although the check passed; empty if the model is confident.
+    """Return the doubts about a passed check; empty if the model is confident.
 
     Single tiers that are not told apart say nothing of the imitator: the page lists them.
     """
@@ -77,5 +77,7 @@ def warning(check: RankingCheck) -> str:
 
 def _named(pairs: Sequence[tuple[int, int]]) -> str:
     named = ", ".join(f"{better} and {worse}" for better, worse in pairs[:MAX_NAMED])
-    more = len(pairs) - MAX_NAMED
-    return named + (f" and {more} more pair{'s' if more > 1 else ''}" if more > 0 else "")
+    n_unnamed = len(pairs) - MAX_NAMED
+    return named + (
+        f" and {n_unnamed} more pair{'s' if n_unnamed > 1 else ''}" if n_unnamed > 0 else ""
+    )

@@ -68,11 +68,11 @@ class ConfusedTiers:
     @property
     def told_apart(self) -> bool:
         """Whether the comparisons suggest that the model knows the order, some errors aside."""
-        return are_told_apart(self.n_right, self.n_compared)
+        return are_distinguished(self.n_right, self.n_compared)
 
 
-def are_told_apart(n_right: int, n_compared: int) -> bool:
-    """Return whether a model tells two tiers apart, by its comparisons of their demonstrations.
+def are_distinguished(n_right: int, n_compared: int) -> bool:
+    """Return whether a model distinguishes two tiers, given its comparisons of demonstrations.
 
     It does not where guessing (50% right) explains the outcome at least five times as well as
     knowing the order (95% right). That is at most 1 right of 2, 1 of 3, 4 of 6, 7 of 10, 15 of 20
@@ -120,8 +120,8 @@ class RankingCheck:
     @property
     def not_told_apart(self) -> list[tuple[int, int]]:
         """The pairs of tiers (better, worse) that the model can't tell apart, worst first."""
-        found = [(pair.better, pair.worse) for pair in self.confused if not pair.told_apart]
-        return list(dict.fromkeys(found))
+        pairs = [(pair.better, pair.worse) for pair in self.confused if not pair.told_apart]
+        return list(dict.fromkeys(pairs))
 
 
 def check_ranking(
@@ -139,7 +139,7 @@ def check_ranking(
         ``jackknife``.
 
     Args:
-        model: What train_reward_model returned for the dataset.
+        model: Model that train_reward_model returned for the dataset.
         dataset: What it was learned from; ``folds`` and ``fold_updates`` of its recipe say how the
             held-out accuracy is measured.
         training_seed: Seeds the sampled fragments and the folds' networks.
@@ -194,7 +194,7 @@ def check_ranking(
 
 
 def jackknife(folds: Sequence[RewardNetwork], dataset: PreferenceDataset) -> Spread | None:
-    """Return how sure R is, by networks that were each trained without a group of the games.
+    """Return the spread of R over networks that were each trained without a group of the games.
 
     The variance of an estimate is (K - 1) / K times the sum of the squared deviations of its K
     values without one group each (the delete-a-group jackknife, Kott 2001). The networks' outputs
@@ -236,11 +236,11 @@ def _fragment_accuracy(
     sizes = [len(rewards[i]) if i in rewards else 1 for i in range(max(rewards) + 1)]
     drawn = Fragmenter.of(recipe).sample(pairs, sizes, N_FRAGMENT_PAIRS, rng)
     returns = np.empty((2, len(drawn)))
-    for side, (which, starts) in enumerate(
+    for side, (indices, starts) in enumerate(
         [(drawn.better, drawn.better_start), (drawn.worse, drawn.worse_start)]
     ):
-        for index in np.unique(which).tolist():
-            of = which == index
+        for index in np.unique(indices).tolist():
+            of = indices == index
             returns[side, of] = fragment_returns(rewards[index], starts[of], drawn.length[of])
     return float(np.mean(returns[0] > returns[1]))
 
@@ -268,11 +268,11 @@ def _cross_validate(
     updates = recipe.fold_updates
     outcomes: list[PairOutcome] = []
     for fold in range(n_folds):
-        kept = dataset.without({i for i in ranked if fold_of[i] == fold})
-        if len(kept.tiers) < 2:
+        training_games = dataset.without({i for i in ranked if fold_of[i] == fold})
+        if len(training_games.tiers) < 2:
             continue
         checkpoint = checkpoint_folder and checkpoint_folder / f"fold-{fold}.safetensors"
-        trainer = network_trainer(kept, updates, (*seed, fold), checkpoint, device)
+        trainer = network_trainer(training_games, updates, (*seed, fold), checkpoint, device)
         first, total = fold * updates, n_folds * updates
         # Loss and accuracy are curves of the final model's training.
         network = trainer.train(OffsetProgress(progress, first, total, with_values=False))
@@ -280,14 +280,14 @@ def _cross_validate(
         model = RewardModel(network)
         levels = {i: final_level(dataset.score(model, i, LEVEL_STEPS)) for i in ranked}
         pairs = [p for p in dataset.pairs if fold in (fold_of[p[0]], fold_of[p[1]])]
-        found = [(p, levels[p[0]] > levels[p[1]]) for p in pairs]
-        outcomes += found
-        progress.advance(first + updates, total, {"held_out_accuracy": _accuracy(found)})
+        fold_outcomes = [(p, levels[p[0]] > levels[p[1]]) for p in pairs]
+        outcomes += fold_outcomes
+        progress.advance(first + updates, total, {"held_out_accuracy": _accuracy(fold_outcomes)})
     return outcomes
 
 
 def _cross_validate_statement(dataset: PreferenceDataset, progress: Progress) -> list[PairOutcome]:
-    """Return how pairs are ordered by what is inferred without at least one of their two games."""
+    """Order pairs by statements inferred without at least one of their two games."""
     ranked = dataset.ranked
     n_folds = min(dataset.recipe.folds, len(ranked))
     outcomes: list[PairOutcome] = []
@@ -302,9 +302,9 @@ def _cross_validate_statement(dataset: PreferenceDataset, progress: Progress) ->
         values = understanding_of(dataset, held_out).value(summaries)
         value_of = dict(zip(ranked, values.tolist(), strict=True))
         pairs = [p for p in dataset.pairs if fold in (fold_of[p[0]], fold_of[p[1]])]
-        found = [(p, value_of[p[0]] > value_of[p[1]]) for p in pairs]
-        outcomes += found
-        progress.advance(fold + 1, n_folds, {"held_out_accuracy": _accuracy(found)})
+        fold_outcomes = [(p, value_of[p[0]] > value_of[p[1]]) for p in pairs]
+        outcomes += fold_outcomes
+        progress.advance(fold + 1, n_folds, {"held_out_accuracy": _accuracy(fold_outcomes)})
     return outcomes
 
 
@@ -319,10 +319,10 @@ def _confused(
     for outcomes, is_held_out in ((by_level, False), (held_out, True)):
         for (better, worse), right in outcomes:
             by_tiers[tier_of[better], tier_of[worse], is_held_out].append(right)
-    found = [
+    confused = [
         ConfusedTiers(*tiers, n_right=sum(right), n_compared=len(right))
         for tiers, right in by_tiers.items()
         if not all(right)
     ]
     # The final model's own contradictions first, then those that are furthest apart.
-    return tuple(sorted(found, key=lambda c: (c.held_out, c.better - c.worse, c.better)))
+    return tuple(sorted(confused, key=lambda c: (c.held_out, c.better - c.worse, c.better)))

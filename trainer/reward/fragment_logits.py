@@ -40,7 +40,7 @@ class FragmentLogits:
 
     Args:
         network: The network that is trained.
-        dataset: What it is trained on.
+        dataset: Dataset to train on.
         updates: Gradient updates of the training.
         seed: Seeds all random numbers.
     """
@@ -53,7 +53,7 @@ class FragmentLogits:
         self.recipe = dataset.recipe
         self._seed = seed
         self._device = device_of(network)
-        sizes = [len(one.observations) for one in dataset.trajectories]
+        sizes = [len(trajectory.observations) for trajectory in dataset.trajectories]
         n_pairs = self.recipe.fragment_pairs or updates * self.recipe.pairs_per_update
         self._fragments = Fragmenter.of(self.recipe).sample(
             dataset.pairs, sizes, n_pairs, self._rng(_FRAGMENTS)
@@ -84,12 +84,12 @@ class FragmentLogits:
     def _observations(self, index: int) -> npt.NDArray[np.uint8]:
         """Return the better fragment, then the worse one, uint8 (2 L, 4, 84, 84)."""
         fragments, parts = self._fragments, []
-        for which, starts in (
+        for indices, starts in (
             (fragments.better, fragments.better_start),
             (fragments.worse, fragments.worse_start),
         ):
             begin = int(starts[index])
             end = begin + int(fragments.length[index])
-            trajectory = self.dataset.trajectories[int(which[index])]
+            trajectory = self.dataset.trajectories[int(indices[index])]
             parts.append(trajectory.observations[begin : end : self.recipe.observation_stride])
         return np.concatenate(parts)

@@ -16,7 +16,7 @@ from safetensors import SafetensorError
 from torch import Tensor, nn
 from torch.nn import functional as F
 
-from trainer.nn.checkpoints import by_prefix, load_tensors, prefixed, save_tensors
+from trainer.nn.checkpoints import load_tensors, prefixed, save_tensors, split_by_prefix
 from trainer.nn.devices import device_of, forward_batch
 from trainer.nn.screens import channels_last_screens
 from trainer.nn.seeding import torch_seeded
@@ -55,7 +55,7 @@ class RewardNetwork(nn.Module):
 
     Args:
         n_flags: Size of that layer; 0 leaves it out.
-        order: What else R is linear in; for flags of the 36 aliens.
+        order: Further inputs of R, for flags of the 36 aliens.
     """
 
     def __init__(self, n_flags: int = 0, order: Order = Order.NONE) -> None:
@@ -84,7 +84,7 @@ class RewardNetwork(nn.Module):
         return self.from_features(self.read(observations))
 
     def read(self, observations: Tensor) -> Tensor:
-        """Return what R is linear in, see ``features``, of observations, uint8 (N, 4, 84, 84)."""
+        """Return the inputs of R, see ``features``, of observations, uint8 (N, 4, 84, 84)."""
         inputs = observations.to(torch.float32, memory_format=torch.channels_last)
         return self.features(self.layers[1](F.leaky_relu(self.first(inputs))))
 
@@ -110,7 +110,7 @@ class RewardNetwork(nn.Module):
         return self.from_features(self.features(second))
 
     def features(self, second: Tensor) -> Tensor:
-        """Return what R is linear in, from the second layer before its activation.
+        """Return the inputs of R, from the second layer before its activation.
 
         Returns:
             float32 (N, 64); of a pretrained network (N, n_flags) or (N, n_flags + 30), all from 0
@@ -134,7 +134,7 @@ class RewardNetwork(nn.Module):
 
 
 def swept_to(aliens: Tensor) -> Tensor:
-    """Return how surely each row has been swept from its left end on, float32 (N, 30), 0 to 1.
+    """Return the degree to which each row is swept from its left end on, float32 (N, 30), 0 to 1.
 
     Of each row, the probabilities that its first two, three, … six aliens are all gone. What single
     aliens add to R cannot say in which order they are hit, as each is gone in the end.
@@ -142,13 +142,13 @@ def swept_to(aliens: Tensor) -> Tensor:
     Args:
         aliens: float32 (N, 36), the probability that each is left, row by row.
     """
-    gone = 1.0 - aliens.reshape(-1, ROWS, COLUMNS)
-    swept: Tensor = gone.cumprod(2)[:, :, 1:]
+    cleared = 1.0 - aliens.reshape(-1, ROWS, COLUMNS)
+    swept: Tensor = cleared.cumprod(2)[:, :, 1:]
     return swept.flatten(1)
 
 
 def gaps_between(aliens: Tensor) -> Tensor:
-    """Return where an alien is left and its right neighbour is not, float32 (N, 30), 0 to 0.5.
+    """Return the gaps: an alien without a right neighbour, float32 (N, 30), 0 to 0.5.
 
     Networks were saved with these before sweeps; the arguments are the same. See
     docs/decisions/07-order.md.
@@ -168,8 +168,8 @@ def network_of(weights: Mapping[str, Tensor], order: Order) -> RewardNetwork:
     """Return a network with these weights, pretrained if they are.
 
     Args:
-        weights: By name.
-        order: What of the order of hits R is linear in, if its output is as wide as that takes.
+        weights: Tensors by name.
+        order: Order of hits in which R is linear, if its output is wide enough.
 
     Raises:
         RuntimeError: They are not a reward network's.
@@ -238,7 +238,7 @@ class RewardModel:
         scale: Divisor of the difference, positive.
         zero: R at which the level is 0, see ``level``.
         one: R at which the level is 1.
-        spread: How sure a pretrained network is; None where nobody measured it.
+        spread: Uncertainty of a pretrained network; None where nobody measured it.
     """
 
     network: RewardNetwork
@@ -331,8 +331,8 @@ class RewardModel:
         tensors = prefixed(_NETWORK, self.network.state_dict(), ".")
         if self.spread is not None:
             # Versions that do not know it read the network alone.
-            own = {"weight": self.spread.weight, "bias": self.spread.bias}
-            tensors |= prefixed(_SPREAD, own, ".")
+            tensors_of_spread = {"weight": self.spread.weight, "bias": self.spread.bias}
+            tensors |= prefixed(_SPREAD, tensors_of_spread, ".")
         header = {
             "offsets": [self.offset],
             "scales": [self.scale],
@@ -364,7 +364,7 @@ class RewardModel:
                     f" version of Tril reads format {FORMAT_VERSION}."
                 )
             header = json.loads(metadata["model"])
-            weights = by_prefix(tensors, ".")
+            weights = split_by_prefix(tensors, ".")
             if (n_networks := len(header["offsets"])) != 1:
                 raise Invalid(
                     f"{path.name} is an ensemble of {n_networks} networks, which this version of"

@@ -30,7 +30,7 @@ class ObservedTrajectory:
     Attributes:
         observations: uint8 (N, 4, 84, 84), 0 to 255, one per step.
         taken: The items taken, in order of time.
-        facts: What holds after each step in terms of the game's vocabulary, float32 (T, n_facts);
+        facts: Facts of the game's vocabulary after each step, float32 (T, n_facts);
             None where the reward is not learned from them.
     """
 
@@ -49,7 +49,7 @@ class PerfectDemonstrations:
     """The perfect demonstrations, as a reward model learns from them.
 
     Attributes:
-        trajectories: Their trajectories.
+        trajectories: Trajectories of the demonstrations.
         ranked_as: For each, its index among the ranked trajectories; None if it is not ranked.
     """
 
@@ -69,7 +69,7 @@ class GameFacts:
         ranked: Facts of each ranked trajectory, float32 (T, n_facts).
         perfect: Facts of each perfect demonstration.
         varied: Games of varied play, from which a network learns to see the facts, too.
-        answers: What a person said of statements about the order, the latest last.
+        answers: Answers about statements on the order, the latest last.
     """
 
     words: Vocabulary
@@ -86,11 +86,11 @@ class PreferenceDataset:
     Attributes:
         trajectories: The ranked ones, in the order of the run's, then the others.
         tiers: Indices of the ranked trajectories, best tier first.
-        recipe: How a reward is learned from them.
+        recipe: Recipe of the reward.
         perfect: Indices of the perfect demonstrations, ranked or not.
         vocabulary: The game's, for method "statement".
         varied: Games that nobody ranked, from which facts are learned to be seen.
-        answers: What a person said of statements about the order, the latest last.
+        answers: Answers about statements on the order, the latest last.
     """
 
     trajectories: tuple[ObservedTrajectory, ...]
@@ -116,21 +116,21 @@ class PreferenceDataset:
         Args:
             trajectories: The ranked demonstrations.
             tiers: Indices into ``trajectories``, best tier first.
-            recipe: How a reward is learned from them; method "paper" leaves out perfect ones.
+            recipe: Recipe of the reward; method "paper" leaves out perfect demonstrations.
             perfect: The perfect demonstrations.
-            facts: What the games were like; for method "statement".
+            facts: Facts of the games, for method "statement".
         """
         of_ranked = facts.ranked if facts else [None] * len(trajectories)
         of_perfect = facts.perfect if facts else [None] * len(perfect.trajectories)
         observed = [_observed(*pair) for pair in zip(trajectories, of_ranked, strict=True)]
         indices = []
         if recipe.method != "paper":
-            for trajectory, ranked_as, found in zip(
+            for trajectory, ranked_as, game_facts in zip(
                 perfect.trajectories, perfect.ranked_as, of_perfect, strict=True
             ):
                 indices.append(len(observed) if ranked_as is None else ranked_as)
                 if ranked_as is None:
-                    observed.append(_observed(trajectory, found))
+                    observed.append(_observed(trajectory, game_facts))
         return cls(
             tuple(observed),
             tuple(tuple(tier) for tier in tiers),
@@ -191,8 +191,8 @@ class PreferenceDataset:
 
         Args:
             model: The model.
-            index: Of the trajectory.
-            last: How many observations are scored, the last ones; None scores all.
+            index: Index of the trajectory.
+            last: Number of observations scored, the last ones; None scores all.
         """
         observed = self.trajectories[index]
         scored = slice(None if last is None else -last, None)

@@ -25,7 +25,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional as F
 
-from trainer.games.space_invaders.memory_reading import N_GAMES, Screens, learn_to_read, play_games
+from trainer.games.space_invaders.memory_reading import N_GAMES, Screens, play_games, train_readings
 from trainer.nn.checkpoints import load_tensors, save_tensors
 from trainer.nn.devices import CPU, forward_batch
 from trainer.nn.screens import channels_last_screens
@@ -47,7 +47,7 @@ def pretrain(screens: Screens, seed: int) -> tuple[RewardNetwork, dict[str, dict
     """Train the layers below the output to predict which aliens are left.
 
     Returns:
-        The network, whose output is random, and the figures of ``learn_to_read``.
+        The network, whose output is random, and the figures of ``train_readings``.
     """
     rng = np.random.default_rng(seed)
     targets = [screens.aliens()]
@@ -61,8 +61,10 @@ def pretrain(screens: Screens, seed: int) -> tuple[RewardNetwork, dict[str, dict
         second = network.layers[1](F.leaky_relu(network.first(inputs)))
         return memory(network.hidden_values(second))  # type: ignore[no-any-return]
 
-    weights = [one for name, one in network.named_parameters() if not name.startswith("output")]
-    return network, learn_to_read(read, weights, screens, targets, N_EPOCHS, rng)
+    weights = [
+        weight for name, weight in network.named_parameters() if not name.startswith("output")
+    ]
+    return network, train_readings(read, weights, screens, targets, N_EPOCHS, rng)
 
 
 def pretrained_network(rng: np.random.Generator) -> RewardNetwork:
@@ -72,7 +74,7 @@ def pretrained_network(rng: np.random.Generator) -> RewardNetwork:
         rng: Source of the output's first weights.
     """
     tensors, metadata = load_tensors(WEIGHTS)
-    weights = {name: one.float() for name, one in tensors.items()}
+    weights = {name: tensor.float() for name, tensor in tensors.items()}
     network = network_of(weights, Order(metadata["order"]))
     with torch_seeded(rng):
         network.output = nn.Linear(network.output.in_features, 1)
@@ -82,7 +84,7 @@ def pretrained_network(rng: np.random.Generator) -> RewardNetwork:
 
 
 def read_features(observations: Observations) -> Tensor:
-    """Return what every pretrained network's R is linear in: they differ in their outputs alone.
+    """Return the inputs of every pretrained network's R: only their outputs differ.
 
     Args:
         observations: uint8 (N, 4, 84, 84).
@@ -117,7 +119,7 @@ def main() -> None:
         low = play_games(arguments.low_rows, seed, n_processes, player=play_low_rows)
         screens = screens.with_games(low)
     network, figures = pretrain(screens, seed)
-    halves = {name: one.half() for name, one in network.state_dict().items()}
+    halves = {name: tensor.half() for name, tensor in network.state_dict().items()}
     metadata = {"figures": json.dumps(figures), "order": network.order}
     save_tensors(arguments.output, halves, metadata)
     sys.stdout.write(f"{json.dumps(figures)}\n")

@@ -58,7 +58,7 @@ def train_reward_model(
     """Learn a reward model from preferences.
 
     Args:
-        dataset: What it is learned from, and how.
+        dataset: Dataset to train on, with its recipe.
         training_seed: Seeds all random numbers. The same seed gives the same model on the CPU with
             the same number of threads; a GPU may round differently.
         progress: Counts updates; receives loss and accuracy by method "paper".
@@ -85,7 +85,7 @@ def network_trainer(
     checkpoint: Path | None = None,
     device: torch.device = CPU,
 ) -> RewardTrainer | WantedAliensTrainer | StatementTrainer:
-    """Return what trains one network by the dataset's recipe; the arguments are RewardTrainer's."""
+    """Return the trainer of one network by the dataset's recipe; see RewardTrainer."""
     if dataset.recipe.method == "posterior":
         return WantedAliensTrainer(dataset, updates, seed)
     if dataset.recipe.method == "statement":
@@ -102,7 +102,7 @@ class RewardTrainer:
     """Trains one reward network from fragments (method "paper").
 
     Args:
-        dataset: What it is learned from, and how.
+        dataset: Dataset to train on, with its recipe.
         updates: Gradient updates.
         seed: Seeds all random numbers.
         checkpoint: File from which an interrupted training continues; None saves nothing.
@@ -127,12 +127,12 @@ class RewardTrainer:
 
     def train(self, progress: Progress) -> RewardNetwork:
         """Train the network and return it; ``progress`` counts updates."""
-        done = self._load()
+        n_done = self._load()
         saved_at = time.monotonic()
-        if done:
-            progress.advance(done, self._updates)
+        if n_done:
+            progress.advance(n_done, self._updates)
         interval = max(1, self._updates // _CURVE_POINTS)
-        for update in range(done + 1, self._updates + 1):
+        for update in range(n_done + 1, self._updates + 1):
             self._update(update)
             values = None
             is_last = update == self._updates
@@ -189,7 +189,7 @@ def calibrate(network: RewardNetwork, dataset: PreferenceDataset) -> RewardModel
 
     Args:
         network: The network.
-        dataset: What it was trained on.
+        dataset: Dataset that the network was trained on.
 
     Raises:
         Invalid: The network gives all states the same value.
@@ -207,15 +207,15 @@ def calibrate(network: RewardNetwork, dataset: PreferenceDataset) -> RewardModel
         model = RewardModel(network, offset, scale)
     best = dataset.best
     rewards = _rewards(model, dataset, dict.fromkeys((*dataset.ranked, *best)))
-    zero = float(np.mean([values[:LEVEL_STEPS].mean() for values in rewards.values()]))
-    one = float(np.mean([rewards[index][-LEVEL_STEPS:].mean() for index in best]))
+    first_level = float(np.mean([values[:LEVEL_STEPS].mean() for values in rewards.values()]))
+    best_level = float(np.mean([rewards[index][-LEVEL_STEPS:].mean() for index in best]))
     if dataset.recipe.pretrained:
         # The best games may hit nothing; readings alone must not set the scale then.
-        one = max(one, zero + 1.0 / model.scale)
-    if not one > zero:
+        best_level = max(best_level, first_level + 1.0 / model.scale)
+    if not best_level > first_level:
         # Nothing was learned, which the check of the ranking reports. Any scale keeps R usable.
-        one = zero + 1.0
-    return replace(model, zero=zero, one=one)
+        best_level = first_level + 1.0
+    return replace(model, zero=first_level, one=best_level)
 
 
 def _calibrate_statement(network: RewardNetwork, dataset: PreferenceDataset) -> RewardModel:
@@ -223,20 +223,20 @@ def _calibrate_statement(network: RewardNetwork, dataset: PreferenceDataset) -> 
     plain = RewardModel(network)
     ranked = _rewards(plain, dataset, dict.fromkeys((*dataset.ranked, *dataset.best)))
     varied = [plain.score(game.observations[1:]) for game in dataset.varied]
-    every = np.concatenate([*ranked.values(), *varied])
+    all_rewards = np.concatenate([*ranked.values(), *varied])
     # About 0, not about the mean: a statement may be that the game goes on.
-    scale, offset = float(np.sqrt((every**2).mean())), float(every.mean())
+    scale, offset = float(np.sqrt((all_rewards**2).mean())), float(all_rewards.mean())
     if scale < 1e-6:
         raise Invalid(
             "The reward model gives all states the same value: nothing was learned from this"
             " ranking. Use other demonstrations."
         )
     # 0 is what a game earns that is over.
-    zero = (min(float(np.quantile(every, WORST_STATES)), 0.0) - offset) / scale
+    over_level = (min(float(np.quantile(all_rewards, WORST_STATES)), 0.0) - offset) / scale
     best = np.concatenate([ranked[index] for index in dataset.best])
-    one = max((float(best.mean()) - offset) / scale, zero + 0.5)
+    best_level = max((float(best.mean()) - offset) / scale, over_level + 0.5)
     spread = replace(spread, weight=spread.weight / scale)
-    return RewardModel(network, offset, scale, zero, one, spread)
+    return RewardModel(network, offset, scale, over_level, best_level, spread)
 
 
 def standardisation(network: RewardNetwork, dataset: PreferenceDataset) -> tuple[float, float]:

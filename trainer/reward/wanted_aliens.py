@@ -40,8 +40,8 @@ class WantedAliensTrainer:
     """Infers which aliens are wanted, and makes a reward network of it.
 
     Args:
-        dataset: What it is inferred from.
-        passes: Of Gibbs sampling over all columns (Geman and Geman 1984).
+        dataset: Dataset to infer from.
+        passes: Passes of Gibbs sampling over all columns (Geman and Geman 1984).
         seed: Seeds all random numbers.
     """
 
@@ -95,8 +95,10 @@ def labels_of(network: RewardNetwork) -> tuple[Array, Array]:
     swept = np.zeros((ROWS, COLUMNS))
     swept[:, 1:] = weights[N_ALIENS:].reshape(ROWS, COLUMNS - 1)
     labels = swept.ravel() - weights[:N_ALIENS]
-    wanted = (labels + 1.0) / 2.0
-    order = np.divide(swept.ravel(), wanted, out=np.zeros(N_ALIENS), where=wanted > _TINY)
+    probabilities = (labels + 1.0) / 2.0
+    order = np.divide(
+        swept.ravel(), probabilities, out=np.zeros(N_ALIENS), where=probabilities > _TINY
+    )
     return labels, order
 
 
@@ -104,7 +106,7 @@ def set_labels(network: RewardNetwork, labels: Array, order: Array) -> None:
     """Make a pretrained network's R the sum of the labels of what has been hit, but for a constant.
 
     Args:
-        network: Its output is changed.
+        network: Network to change: its output is replaced.
         labels: Mean label of each alien, float64 (36,), -1 to 1.
         order: See learned_order.
     """

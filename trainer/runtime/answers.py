@@ -88,7 +88,7 @@ class Answers:
     def to(
         self, header: dict[str, Any], body: bytearray, progress: Progress
     ) -> tuple[dict[str, Any], bytes]:
-        """Return what the header of the answer to a request says, and its values.
+        """Answer a request: return the header of the response, and its values.
 
         Args:
             header: The request's header.
@@ -154,11 +154,11 @@ class Answers:
         for kind in sorted(set(map(str, policies))):
             if kind not in POLICIES:
                 raise Invalid(f"There is no policy {kind!r}; choose {' or '.join(POLICIES)}.")
-            own = [index for index, name in enumerate(policies) if name == kind]
-            found = self._policy(run_id, kind).probabilities(observations[own])
+            indices = [index for index, name in enumerate(policies) if name == kind]
+            probabilities = self._policy(run_id, kind).probabilities(observations[indices])
             if result is None:
-                result = np.empty((len(observations), found.shape[1]), np.float32)
-            result[own] = found
+                result = np.empty((len(observations), probabilities.shape[1]), np.float32)
+            result[indices] = probabilities
         return np.empty((0, 0), np.float32) if result is None else result
 
     def _policy(self, run_id: str, kind: str) -> Policy:

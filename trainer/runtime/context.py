@@ -53,13 +53,13 @@ class RunContext:
     Attributes:
         lease: The worker's lease; everything written to the run carries it.
         run: The run's row as of its last finished stage, detached from its session.
-        behaviour: What is taught.
-        recipe: How it is learned.
+        behaviour: Behaviour to teach.
+        recipe: Recipe of the run.
         database: The application's database.
         artifacts: Where files that outlive the run are kept.
         folder: Scratch folder of the run on this machine, for checkpoints.
         settings: Settings of the process.
-        eta: What the run's stages are expected to take.
+        eta: Expected duration of the run's stages.
         threads: Threads that learning may use.
         stopping: Set when the worker is being stopped.
     """
@@ -145,12 +145,12 @@ class RunContext:
             digest = artifact_rows.digest(content)
             artifact_rows.save(session, self.run_id, kind, name, media_type, size, details, digest)
 
-    def finish_stage(self, stage: Stage, seconds: float, found: RunOutcome | None = None) -> None:
+    def finish_stage(self, stage: Stage, seconds: float, outcome: RunOutcome | None = None) -> None:
         """Write that a stage is finished, and what it has found, in one transaction."""
         with self.database.writing() as session:
             row = leases.finish_stage(session, self.lease, stage, seconds)
-            if found is not None:
-                row.outcome = row.outcome.with_those_of(found)
+            if outcome is not None:
+                row.outcome = row.outcome.updated_with(outcome)
         self.run = row
 
 
@@ -226,6 +226,6 @@ class StageProgress:
         )
 
     def seconds(self) -> float:
-        """Return what the whole stage takes, extrapolated if it went on from a checkpoint."""
+        """Return the duration of the whole stage, extrapolated if it began at a checkpoint."""
         took = self._clock() - self._began
         return took / max(SETTLED_SHARE, 1.0 - (self._first_share or 0.0))

@@ -164,11 +164,11 @@ class TcpServer(socketserver.ThreadingTCPServer):
         self._places = threading.BoundedSemaphore(MAX_CONNECTIONS)
         address = endpoint.address
         try:
-            (family, *_, found), *_ = socket.getaddrinfo(
+            (family, *_, socket_address), *_ = socket.getaddrinfo(
                 address.host, address.port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
             )
             self.address_family = family
-            super().__init__(found, _Handler)  # type: ignore[arg-type]
+            super().__init__(socket_address, _Handler)  # type: ignore[arg-type]
         except OSError as problem:
             raise Unavailable(
                 f"The inference process can't listen at {address}: {problem.strerror}. If it runs"
@@ -247,11 +247,11 @@ class _Handler(socketserver.BaseRequestHandler):
             answers = Answers(self.server.models)
             # The client may have disconnected.
             with contextlib.suppress(ConnectionError, TimeoutError, ssl.SSLError):
-                while self._answer_one(connection, answers):
+                while self._handle_request(connection, answers):
                     pass
 
-    def _answer_one(self, connection: socket.socket, answers: Answers) -> bool:
-        """Answer a request; returns whether another may follow on this connection."""
+    def _handle_request(self, connection: socket.socket, answers: Answers) -> bool:
+        """Handle a request; return whether another may follow on this connection."""
         is_understood = False
         try:
             header, body = receive_message(connection)

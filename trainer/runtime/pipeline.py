@@ -42,7 +42,7 @@ from tril.recipes import recipe_from_dict
 from tril.settings import Settings
 from tril.stages import Stage, stages_of
 from tril.store import behaviours
-from tril.store.database import Database, is_away, is_busy
+from tril.store.database import Database, is_busy, is_unreachable
 from tril.store.models import RunStatus
 from tril.store.training import leases, runs
 from tril.store.training.artifacts import ArtifactDamaged
@@ -106,15 +106,15 @@ class Pipeline:
     def sweep(self) -> None:
         """Remove the checkpoints of runs that are done or deleted, and their copies."""
         folders = self._settings.data / "runs"
-        found = [folder.name for folder in folders.iterdir()] if folders.is_dir() else []
+        run_ids = [folder.name for folder in folders.iterdir()] if folders.is_dir() else []
         if self._copies_checkpoints:
             try:
-                found += self._artifacts.names(COPIES)
+                run_ids += self._artifacts.names(COPIES)
             except ArtifactStoreUnavailable as problem:
                 log.warning("Old copies of checkpoints could not be looked for: %s", problem)
         with self._database.reading() as session:
-            past = runs.not_resumable(session, set(found))
-        for run_id in past:
+            not_resumable = runs.not_resumable(session, set(run_ids))
+        for run_id in not_resumable:
             self._remove_checkpoints(run_id)
 
     def _remove_checkpoints(self, run_id: str) -> None:
@@ -195,7 +195,7 @@ class Pipeline:
                 return result
         if any(stage not in context.run.finished_stages for stage in stages):
             # The queue remembers a stage as done that the row does not: the row is the truth.
-            return self._leave(context.lease, leases.release, GIVEN_BACK)
+            return self._write_result(context.lease, leases.release, GIVEN_BACK)
         return self._end(context.lease, RunStatus.DONE)
 
     @contextmanager
@@ -238,17 +238,17 @@ class Pipeline:
             return LEASE_LOST
         except WorkerStopping:
             self._copy_checkpoints(run_id)
-            return self._leave(lease, leases.release, GIVEN_BACK)
+            return self._write_result(lease, leases.release, GIVEN_BACK)
         except RunCancelled:
             self._copy_checkpoints(run_id)
             return self._end(lease, RunStatus.CANCELLED)
         except Exception as problem:
             if isinstance(problem, ArtifactStoreUnavailable) and self._copies_checkpoints:
                 return self._wait_for_store(lease, problem)
-            if isinstance(problem, DBAPIError) and (is_away(problem) or is_busy(problem)):
+            if isinstance(problem, DBAPIError) and (is_unreachable(problem) or is_busy(problem)):
                 # Nothing is wrong with the run. If it can't be given back, its lease is revoked.
                 log.warning("Run %s: the database can't be written: %s", run_id, problem.orig)
-                return self._leave(lease, leases.release, GIVEN_BACK)
+                return self._write_result(lease, leases.release, GIVEN_BACK)
             if (repaired := self._repair(data, stage, problem)) is not None:
                 return repaired
             # The one catch-all: the person is told and the worker lives on.
@@ -265,9 +265,9 @@ class Pipeline:
         context.check_cancelled()
         progress = StageProgress(context, stage)
         progress.report()
-        found = STAGE_WORK[stage](data, progress)
+        outcome = STAGE_WORK[stage](data, progress)
         seconds = progress.seconds()
-        context.finish_stage(stage, seconds, found)
+        context.finish_stage(stage, seconds, outcome)
         log.info("Run %s: stage %s is finished after %.1f s.", context.run_id, stage, seconds)
 
     def _repair(self, data: RunData, stage: Stage, problem: Exception) -> str | None:
@@ -298,7 +298,7 @@ class Pipeline:
             leases.reopen_stages(session, lease, stages[stages.index(again) :])
             leases.release(session, lease, message)
 
-        return self._leave(context.lease, write, GIVEN_BACK)
+        return self._write_result(context.lease, write, GIVEN_BACK)
 
     def _fetch_checkpoints(self, run_id: str) -> None:
         if self._copies_checkpoints:
@@ -326,12 +326,16 @@ class Pipeline:
         """Give a run back to the queue, from which it is taken up when the store can be used."""
         log.warning("Run %s: %s", lease.run_id, problem)
         write = partial(leases.release, message=store_unavailable_message(problem))
-        return self._leave(lease, write, GIVEN_BACK)
+        return self._write_result(lease, write, GIVEN_BACK)
 
     def _end(self, lease: Lease, status: RunStatus, message: str = "") -> str:
-        return self._leave(lease, partial(leases.end, status=status, message=message), status)
+        return self._write_result(
+            lease, partial(leases.end, status=status, message=message), status
+        )
 
-    def _leave(self, lease: Lease, write: Callable[[Session, Lease], None], result: str) -> str:
+    def _write_result(
+        self, lease: Lease, write: Callable[[Session, Lease], None], result: str
+    ) -> str:
         try:
             with self._database.writing() as session:
                 write(session, lease)
@@ -351,12 +355,12 @@ class Pipeline:
 
 
 def store_unavailable_message(problem: ArtifactStoreUnavailable) -> str:
-    """Return what a person reads about a run that waits for the artifact store."""
+    """Return the message about a run that waits for the artifact store."""
     return f"{problem} The training goes on by itself as soon as it can be used again."
 
 
 def failure_message(stage: str, problem: BaseException, run_id: str) -> str:
-    """Return what a person reads about a failed stage: what went wrong and what to do."""
+    """Return the message about a failed stage: the reason and the next step."""
     if isinstance(problem, TrilError):
         return str(problem)
     if isinstance(problem, OSError) and problem.errno in {errno.ENOSPC, errno.EDQUOT}:

@@ -36,7 +36,7 @@ def add_game(
     policy: str,
     action_selection: ActionSelection,
     sticky_action_probability: float,
-    **more: Any,
+    **further_conditions: Any,
 ) -> RecordingRow:
     """Add a game of a run's policy to the recordings.
 
@@ -45,9 +45,9 @@ def add_game(
         context: The run.
         game: The game.
         policy: "imitator" or "clone".
-        action_selection: How its actions were selected.
-        sticky_action_probability: How often the last frame's action was repeated instead.
-        more: Further conditions that the recording names.
+        action_selection: Action selection of the policy.
+        sticky_action_probability: Probability of repeating the last frame's action.
+        **further_conditions: Further conditions of the recording.
     """
     conditions: dict[str, Any] = {"policy": policy, "action_selection": action_selection}
     if sticky_action_probability:
@@ -59,5 +59,5 @@ def add_game(
         game.replay,
         Source.POLICY,
         run_id=context.run_id,
-        conditions=conditions | more,
+        conditions=conditions | further_conditions,
     )

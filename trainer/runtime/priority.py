@@ -12,7 +12,7 @@ AUTOGROUP = Path("/proc/self/autogroup")
 
 
 def learning_threads(requested: int) -> int:
-    """Return how many threads learning uses; 0 requests all cores that this process may use."""
+    """Return the number of threads of learning; 0 requests all cores open to this process."""
     return requested or core_count()
 
 
@@ -23,7 +23,7 @@ def lower_priority(niceness: int) -> None:
     session (autogroups, sched(7)). A session that this process leads is lowered too.
 
     Args:
-        niceness: From 0, as it is, to 19, when nothing else wants the cores.
+        niceness: Niceness from 0, as it is, to 19, when nothing else wants the cores.
     """
     os.nice(max(0, niceness - os.nice(0)))
     if hasattr(os, "getsid") and os.getsid(0) == os.getpid():

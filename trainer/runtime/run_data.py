@@ -96,7 +96,7 @@ class RunData:
         )
 
     def _game_facts(self) -> GameFacts:
-        """Return what the run's games, and varied ones, are like in the game's own vocabulary."""
+        """Return the facts of the run's games, and of varied ones, in the game's own vocabulary."""
         game = self.context.game
         words = self._words = self._words or vocabulary_of(
             self.context.settings.data, game, lambda *_: self.context.check_cancelled()
@@ -118,21 +118,21 @@ class RunData:
             [self._facts[number] for number in self.snapshot.ranked],
             [self._facts[number] for number in self.snapshot.perfect],
             self._varied,
-            [Answer(frozenset(one.subjects), one.meant) for one in self.snapshot.answers],
+            [Answer(frozenset(answer.subjects), answer.meant) for answer in self.snapshot.answers],
         )
 
     def recordings(self, ids: Sequence[int]) -> dict[int, Recording]:
         """Return recordings by id; deleted ones too, since the run was made with them."""
         missing = [number for number in ids if number not in self._recordings]
         with self.context.database.reading() as session:
-            found = recordings.by_ids(session, missing)
+            rows = recordings.by_ids(session, missing)
             self._recordings |= {
-                number: recordings.as_recording(row).as_seen_in(self.context.game)
-                for number, row in found.items()
+                number: recordings.as_recording(row).with_hidden_areas_of(self.context.game)
+                for number, row in rows.items()
             }
-        gone = [number for number in ids if number not in self._recordings]
-        if gone:
-            raise Invalid(f"Recordings {gone} of this training are no longer in the database.")
+        deleted = [number for number in ids if number not in self._recordings]
+        if deleted:
+            raise Invalid(f"Recordings {deleted} of this training are no longer in the database.")
         return {number: self._recordings[number] for number in ids}
 
     def trajectories(
@@ -141,7 +141,7 @@ class RunData:
         """Replay recordings through an agent's eyes.
 
         Args:
-            ids: Which recordings.
+            ids: Ids of the recordings.
             progress: Told after each.
 
         Raises:
@@ -149,8 +149,8 @@ class RunData:
         """
         progress = progress or NullProgress()
         console: Console | None = None
-        found = self.recordings(ids)
-        for count, (number, recording) in enumerate(found.items(), start=1):
+        recordings_by_id = self.recordings(ids)
+        for count, (number, recording) in enumerate(recordings_by_id.items(), start=1):
             if number not in self._trajectories:
                 console = console or recording.game.make_console()
                 try:
@@ -160,7 +160,7 @@ class RunData:
                         refusal
                     )
                 self.context.check_cancelled()
-            progress.advance(count, len(found))
+            progress.advance(count, len(recordings_by_id))
         return [self._trajectories[number] for number in ids]
 
     def keep_reward_model(self, model: RewardModel) -> None:
@@ -174,8 +174,8 @@ class RunData:
         """Put the file of the "imitator" or the "clone" into the artifact store.
 
         Args:
-            kind: Which of them.
-            path: Its file.
+            kind: Kind of the policy.
+            path: File of the policy.
             steps: Training steps behind an imitator that still learns; None for one that is ready.
         """
         details = {} if steps is None else {"steps": steps}

@@ -42,17 +42,17 @@ def own_scratch_folder(root: Path, epoch: int) -> Path:
     its folder gone and can't replace the checkpoints of the one that has it now.
     """
     root.mkdir(parents=True, exist_ok=True)
-    own = root / str(epoch)
-    if own.exists():
-        return own
+    folder = root / str(epoch)
+    if folder.exists():
+        return folder
     earlier = _epochs(root)
     if earlier:
-        (root / str(earlier[-1])).rename(own)
+        (root / str(earlier[-1])).rename(folder)
     else:
-        own.mkdir()
+        folder.mkdir()
     for number in earlier[:-1]:
         shutil.rmtree(root / str(number), ignore_errors=True)
-    return own
+    return folder
 
 
 def fetch_newer_copy(store: ArtifactStore, run_id: str, root: Path) -> None:
@@ -74,10 +74,10 @@ def fetch_newer_copy(store: ArtifactStore, run_id: str, root: Path) -> None:
         # The worker that has the run meanwhile has replaced it.
         return
     with tempfile.TemporaryDirectory(dir=root, prefix=".copy-") as folder:
-        whole = Path(folder) / str(epoch)
+        unpacked = Path(folder) / str(epoch)
         with tarfile.open(fileobj=io.BytesIO(content)) as archive:
-            archive.extractall(whole, filter="data")
-        whole.rename(root / str(epoch))
+            archive.extractall(unpacked, filter="data")
+        unpacked.rename(root / str(epoch))
     log.info("Run %s: goes on from the checkpoints of another machine.", run_id)
 
 
@@ -87,7 +87,7 @@ def _epochs(root: Path) -> list[int]:
 
 def _copied_epochs(store: ArtifactStore, run_id: str) -> list[int]:
     names = [Path(name) for name in store.names(f"{COPIES}/{run_id}")]
-    return sorted(int(one.stem) for one in names if one.suffix == ".tar" and one.stem.isdigit())
+    return sorted(int(path.stem) for path in names if path.suffix == ".tar" and path.stem.isdigit())
 
 
 def _copy_path(run_id: str, epoch: int) -> str:
@@ -157,7 +157,7 @@ class CheckpointCopies:
     def _files(self) -> _Files:
         """Return time of change and size of every checkpoint that is still needed."""
         finished = self._finished_stages()
-        found: _Files = {}
+        files: _Files = {}
         for path in sorted(self._folder.glob("*/*")):
             stage = path.parent.name
             # What begins with a dot is about to be written.
@@ -167,8 +167,8 @@ class CheckpointCopies:
                 status = path.stat()
             except FileNotFoundError:
                 continue
-            found[f"{stage}/{path.name}"] = (status.st_mtime_ns, status.st_size)
-        return found
+            files[f"{stage}/{path.name}"] = (status.st_mtime_ns, status.st_size)
+        return files
 
     def _archive(self, files: _Files) -> bytes | None:
         """Return the files as one; None if one of them is gone."""

@@ -121,7 +121,7 @@ def _work(
             if until_empty:
                 _wait_until_empty(database, stopping, devices)
             else:
-                sweep_until(stopping, pipeline)
+                sweep_periodically(stopping, pipeline)
             log.info("Worker %s is stopping.", name)
             DBOS.destroy(workflow_completion_timeout_sec=STOP_TIMEOUT_S)
     finally:
@@ -149,17 +149,17 @@ def _wait_until_empty(
     while not stopping.wait(EMPTY_POLL_S):
         try:
             with database.reading() as session:
-                if not any(run.device in devices for run in runs.not_over(session)):
+                if not any(run.device in devices for run in runs.unfinished(session)):
                     log.info("No run is left.")
                     return
         except SQLAlchemyError:
             log.warning("The runs could not be read; they are read again.", exc_info=True)
 
 
-def sweep_until(
+def sweep_periodically(
     stopping: threading.Event, pipeline: Pipeline, every_s: float = SWEEP_EVERY_S
 ) -> None:
-    """Remove scratch folders that nobody needs, again and again, until the worker is to stop."""
+    """Remove unneeded scratch folders periodically until the worker stops."""
     while not stopping.wait(every_s):
         try:
             pipeline.sweep()

@@ -64,7 +64,7 @@ class Opinion:
     Attributes:
         place: Expected share of the ranked games that are better, 0 for the best to 1.
         best_place: The better end of a central interval of 68% (one standard deviation).
-        worst_place: Its worse end.
+        worst_place: Worse end of the interval.
         tier: Tier of ``place``, counted from 1 for the best.
         best_tier: Tier of ``best_place``.
         worst_tier: Tier of ``worst_place``.
@@ -91,7 +91,7 @@ class Opinions:
 
     Attributes:
         of: The opinion of each game, ranked or not.
-        labels: Which aliens are wanted, float64 (36,), -1 to 1; see wanted_aliens.
+        labels: Label of each alien, float64 (36,), -1 to 1; see wanted_aliens.
         in_order: How surely each counts only once its row is swept up to it, float64 (36,).
     """
 
@@ -103,11 +103,11 @@ class Opinions:
 def form_opinions(
     ranking: Ranking, hits: Mapping[int, Hits], perfect: Collection[int] = ()
 ) -> Opinions | None:
-    """Infer which aliens are wanted; return what that says of ranked and further games.
+    """Infer the wanted aliens; return opinions of ranked and unranked games.
 
     Args:
         ranking: The ranking.
-        hits: Of every ranked game, of the perfect ones and of any others.
+        hits: Hits of ranked, perfect and further games, by recording id.
         perfect: Games that are meant as all of the behaviour.
 
     Returns:
@@ -125,20 +125,22 @@ def form_opinions(
     posterior = Posterior(dict(enumerate(hits_of_ranked)), pairs.tolist(), weights, prior, order)
     draws = posterior.draws(rng, _PASSES)
     labels = labels_of_draws(draws)
-    own = worth(labels, order, hits_of_ranked)
-    log_weights = -log_likelihood_by_game(own, pairs, weights)
+    worth_of_ranked = worth(labels, order, hits_of_ranked)
+    log_weights = -log_likelihood_by_game(worth_of_ranked, pairs, weights)
     for index, item in enumerate(ranked):
         if item in best:
-            without = log_prior([hits[one] for one in best if one != item]) - prior
+            without = log_prior([hits[i] for i in best if i != item]) - prior
             log_weights[:, index] += without[np.arange(COLUMNS), draws].sum(1)
-    judged = _Judged(ranking, own, _softmax(log_weights))
-    found = judged.opinions()
-    others = [item for item in hits if item not in set(ranked)]
-    found |= {
-        item: judged.of_further(one)
-        for item, one in zip(others, worth(labels, order, [hits[i] for i in others]).T, strict=True)
+    judged = _Judged(ranking, worth_of_ranked, _softmax(log_weights))
+    opinions = judged.opinions()
+    unranked = [item for item in hits if item not in set(ranked)]
+    opinions |= {
+        item: judged.unranked_opinion(value)
+        for item, value in zip(
+            unranked, worth(labels, order, [hits[i] for i in unranked]).T, strict=True
+        )
     }
-    return Opinions(found, labels.mean(0), order)
+    return Opinions(opinions, labels.mean(0), order)
 
 
 def _pairs(ranking: Ranking, rng: np.random.Generator) -> tuple[npt.NDArray[np.int64], Array]:
@@ -163,9 +165,9 @@ class _Judged:
     """The ranked games' places, by draws of which aliens are wanted.
 
     Args:
-        ranking: Of n games.
-        worth: Of each in each draw, float64 (S, n).
-        weights: Of the draws, without each game, float64 (S, n); columns sum to 1.
+        ranking: Ranking of n games.
+        worth: Worth of each game in each draw, float64 (S, n).
+        weights: Weight of each draw without each game, float64 (S, n); columns sum to 1.
     """
 
     def __init__(self, ranking: Ranking, worth: Array, weights: Array) -> None:
@@ -175,26 +177,26 @@ class _Judged:
         sizes = [len(tier) for tier in ranking.tiers]
         self._edges = np.cumsum(sizes) / n
         self._scores = _normal_scores(np.repeat(np.arange(len(sizes)), sizes))
-        found = [
+        scores = [
             self._score(np.delete(worth, index, 1), worth[:, index], weights[:, index])
             for index in range(n)
         ]
-        self._means, self._variances = np.array(found).T
+        self._means, self._variances = np.array(scores).T
         self._squares = np.square(self._scores - self._means)
 
-    def _score(self, others: Array, own: Array, weights: Array) -> tuple[float, float]:
+    def _score(self, other_worths: Array, own_worths: Array, weights: Array) -> tuple[float, float]:
         """Return mean and variance of the score of a game among others.
 
         Where it is worth as much as some of them, it may be anywhere among these.
 
         Args:
-            others: Their worth, float64 (S, m).
-            own: The game's, float64 (S,).
-            weights: Of the draws, float64 (S,).
+            other_worths: Worth of the other games, float64 (S, m).
+            own_worths: Worth of the game, float64 (S,).
+            weights: Weights of the draws, float64 (S,).
         """
-        m = others.shape[1]
-        more = others - own[:, None]
-        n_better, n_tied = (more > _SAME).sum(1), (np.abs(more) <= _SAME).sum(1)
+        m = other_worths.shape[1]
+        difference = other_worths - own_worths[:, None]
+        n_better, n_tied = (difference > _SAME).sum(1), (np.abs(difference) <= _SAME).sum(1)
         # Middles and ends of the gaps between m others, in units of half a gap.
         quantiles = _quantiles(m + 1)
         middle = -quantiles[2 * n_better + n_tied + 1]
@@ -206,26 +208,25 @@ class _Judged:
         """Return the opinion of each ranked game."""
         noise = (self._squares.sum() - self._squares) / (self._n - 1)
         deviations = np.sqrt(self._variances + _NOISE_SHARE * noise + _LEAST_DEVIATION**2)
-        own = self._ranking.tier_numbers()
-        found = {}
+        tiers = self._ranking.tier_numbers()
+        opinions = {}
         for index, item in enumerate(self._ranking.items):
             mean, deviation = float(self._means[index]), float(deviations[index])
             distance = abs(self._scores[index] - mean) / deviation
             p_value = math.erfc(distance / math.sqrt(2))
             opinion = replace(_opinion(mean, deviation, self._edges), p_value=p_value)
             # Within a large tier any place is right.
-            is_low = p_value * self._n < FALSE_CONTRADICTIONS and opinion.tier != own[item]
+            is_low = p_value * self._n < FALSE_CONTRADICTIONS and opinion.tier != tiers[item]
             if is_low and self._n >= MIN_GAMES_TO_CONTRADICT:
-                opinion = replace(opinion, contradicted_by=self._against(index))
-            found[item] = opinion
-        return found
+                opinion = replace(opinion, contradicted_by=self._contradicting_games(index))
+            opinions[item] = opinion
+        return opinions
 
-    def _against(self, index: int) -> tuple[int, ...]:
-        """Return the one or two games that speak most against a game's tier.
+    def _contradicting_games(self, index: int) -> tuple[int, ...]:
+        """Return the one or two games that contradict a game's tier most.
 
-        They are worth no more than a game that is ranked too low, but ranked above it, or worth no
-        less than one that is ranked too high, but ranked below it; those that are worth about as
-        much, and ranked far away, speak most.
+        Above a game that is ranked too low stand games of no higher worth, below one that is
+        ranked too high games of no lower worth. Equal worth and distant tiers contradict most.
         """
         side = np.sign(self._means[index] - self._scores[index])
         means = self._worth.mean(0)
@@ -233,10 +234,10 @@ class _Judged:
         pulls = np.exp(-np.abs(ahead)) * side * (self._scores - self._scores[index])
         pulls[ahead < -_ABOUT_SAME] = 0.0
         strongest = np.argsort(-pulls)[:2].tolist()
-        return tuple(self._ranking.items[other] for other in strongest if pulls[other] > 0)
+        return tuple(self._ranking.items[index] for index in strongest if pulls[index] > 0)
 
-    def of_further(self, worth: Array) -> Opinion:
-        """Return the opinion of a game that is not ranked, by its worth, float64 (S,)."""
+    def unranked_opinion(self, worth: Array) -> Opinion:
+        """Return the opinion of an unranked game, given its worth, float64 (S,)."""
         even = np.full(len(worth), 1.0 / len(worth))
         mean, variance = self._score(self._worth, worth, even)
         noise = _NOISE_SHARE * float(self._squares.mean()) + _LEAST_DEVIATION**2
@@ -246,8 +247,8 @@ class _Judged:
 def _softmax(log_weights: Array) -> Array:
     """Return weights that sum to 1 in each column."""
     weights = np.exp(log_weights - log_weights.max(0))
-    found: Array = weights / weights.sum(0)
-    return found
+    weights_of_draws: Array = weights / weights.sum(0)
+    return weights_of_draws
 
 
 def _normal_scores(tiers: npt.NDArray[np.int64]) -> Array:
@@ -273,7 +274,7 @@ def _opinion(mean: float, sd: float, edges: Array) -> Opinion:
 
     Args:
         mean: Mean of the score.
-        sd: Its standard deviation.
+        sd: Standard deviation of the score.
         edges: float64 (n_tiers,), share of the ranked games down to the end of each tier.
     """
     # The score of a game that is better than a share of them is the normal quantile there.

@@ -24,8 +24,8 @@ class StatementAnswer(Stored):
     """What a person said of a statement that Tril made about a ranking.
 
     Attributes:
-        subjects: What the statement is about, in order, see tril.vocabulary.answers.
-        sentence: What they read.
+        subjects: Subjects of the statement, in order, see tril.vocabulary.answers.
+        sentence: Sentence shown to the person.
         meant: Whether it is what they mean; else it is not.
     """
 
@@ -41,7 +41,7 @@ class RunSnapshot(Stored):
         ranking_revision: The behaviour's ranking; None where the tiers are an example's own.
         tiers: Ids of the ranked recordings, best tier first.
         perfect: Ids of the recordings that the clone learns from.
-        answers: What people said of statements about the ranking, the latest last.
+        answers: Answers about statements on the ranking, the latest last.
     """
 
     ranking_revision: int | None = None
@@ -107,7 +107,7 @@ class ToldStatement(Stored):
 
     Attributes:
         sentence: E.g. "what you steer further to the left".
-        probability: Of it, 0 to 1.
+        probability: Probability of the statement, 0 to 1.
     """
 
     sentence: str
@@ -118,7 +118,7 @@ class CheckVerdict(CheckFigures):
     """Whether the reward model has understood the ranking.
 
     Attributes:
-        advice: What to do; empty if it passed.
+        advice: Advice for the person; empty if the check passed.
         warning: Names tiers that can't be told apart although it passed, if any.
         wanted: Which aliens it infers to be wanted; None of rewards that are learned otherwise.
         statements: What the order is about in words, the most probable first; empty of rewards
@@ -211,10 +211,10 @@ class RunOutcome(Stored):
     imitator: ImitatorOutcome | None = None
     headline: Headline | None = None
 
-    def with_those_of(self, found: RunOutcome) -> RunOutcome:
-        """Return this outcome with what another stage has found."""
+    def updated_with(self, outcome: RunOutcome) -> RunOutcome:
+        """Return this outcome with the fields that another stage has set."""
         return self.model_copy(
-            update={name: getattr(found, name) for name in found.model_fields_set}
+            update={name: getattr(outcome, name) for name in outcome.model_fields_set}
         )
 
 

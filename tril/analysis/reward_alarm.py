@@ -77,7 +77,7 @@ class RewardAlarm:
     @property
     def message(self) -> str:
         """The alarm for a person: what it means and what to do."""
-        got = self.predicted_return
+        change = self.predicted_return
         longer = ""
         if self.episode_steps.after >= 1.1 * self.episode_steps.before:
             longer = (
@@ -87,8 +87,9 @@ class RewardAlarm:
         return (
             "The learned reward may be rewarding something other than what you meant: from step"
             f" {self.from_step:,} to step {self.to_step:,} the predicted return of the training"
-            f" games rose from {_number(got.before)} to {_number(got.after)}, but the games got"
-            f" no better: {self.hits.before:.1f} targets and {self.strays.before:.1f} strays a game"
+            f" games rose from {_number(change.before)} to {_number(change.after)}, but the games"
+            f" got no better: {self.hits.before:.1f} targets and {self.strays.before:.1f} strays a"
+            " game"
             f" before, {self.hits.after:.1f} and {self.strays.after:.1f} after.{longer} Watch the"
             " imitator\u2019s games to see what it does instead. Then add demonstrations which show"
             " the difference, ranked below those that do what you want, or change the order, and"
@@ -107,7 +108,7 @@ def reward_alarm(
     targets are hit already, strays have to rise as well.
 
     Args:
-        curves: Those of CURVES by name.
+        curves: Curves of CURVES, by name.
         n_targets: Target cells of the behaviour; None where it has none.
         demonstrated: The predicted returns of the demonstrations, which give the scale.
 
@@ -121,18 +122,18 @@ def reward_alarm(
         return None
     arrays = {name: np.array(curves[name], np.float64) for name in CURVES}
     last = arrays["predicted_return"][-1, 0]
-    now: RewardAlarm | None = None
+    latest: RewardAlarm | None = None
     for time, share in itertools.product(TIMES, SPANS):
         looked_at = _changes(arrays, time * last * (1 - share), time * last)
         if looked_at is None:
             continue
-        now = now or looked_at[0]
+        latest = latest or looked_at[0]
         change, is_above = looked_at
         if (
             is_above
             and change.predicted_return.rise >= least_rise
             and (change.hits.after < MOST * n_targets or change.strays.rise >= LEAST_RISE_OF_HITS)
-            and not any(_is_better(change, after) for after in (change, now))
+            and not any(_is_better(change, later) for later in (change, latest))
         ):
             return change
     return None
@@ -142,11 +143,11 @@ def _number(value: float) -> str:
     return f"{value:,.0f}" if abs(value) >= 100.0 else f"{value:.3g}"
 
 
-def _is_better(first: RewardAlarm, then: RewardAlarm) -> bool:
+def _is_better(earlier: RewardAlarm, later: RewardAlarm) -> bool:
     """Whether games got better from before the first change until after the second one."""
     return (
-        then.hits.after - first.hits.before >= LEAST_RISE_OF_HITS
-        or first.strays.before - then.strays.after >= LEAST_RISE_OF_HITS
+        later.hits.after - earlier.hits.before >= LEAST_RISE_OF_HITS
+        or earlier.strays.before - later.strays.after >= LEAST_RISE_OF_HITS
     )
 
 

@@ -26,8 +26,8 @@ class GameFigures:
         targets: Target cells hit; None, as strays and order errors, for behaviours without target.
         strays: Hits outside the target.
         order_errors: Target hits out of order.
-        steps: Its length.
-        died: Whether it ended by the player's death.
+        steps: Length of the game.
+        died: Whether the player died.
         predicted_return: Sum of R over its observations, if it was computed.
         n_targets: Number of target cells, where the game is to be judged as a whole.
     """
@@ -132,9 +132,9 @@ def interquartile_interval(strata: Sequence[Sequence[Sequence[float]]]) -> Inter
         drawn = rng.integers(len(groups), size=(len(groups), RESAMPLES))
         parts.append(means[drawn, np.arange(RESAMPLES)])
     low, high = np.percentile(_interquartile_means(np.concatenate(parts)), [2.5, 97.5])
-    found = np.array([[np.mean(values)] for groups in strata for values in groups])
+    group_means = np.array([[np.mean(values)] for groups in strata for values in groups])
     n = sum(len(values) for groups in strata for values in groups)
-    return Interval(float(_interquartile_means(found)[0]), float(low), float(high), n)
+    return Interval(float(_interquartile_means(group_means)[0]), float(low), float(high), n)
 
 
 def _resampled_means(values: Sequence[float], seed: int | tuple[int, int]) -> Numbers:
@@ -191,8 +191,8 @@ def winner(imitator: GameFigures | None, clone: GameFigures | None) -> Winner | 
     """
     if imitator is None or imitator.targets is None or clone is None or clone.targets is None:
         return None
-    ours = (imitator.targets, -(imitator.strays or 0), not imitator.died)
-    theirs = (clone.targets, -(clone.strays or 0), not clone.died)
-    if ours == theirs:
+    imitator_key = (imitator.targets, -(imitator.strays or 0), not imitator.died)
+    clone_key = (clone.targets, -(clone.strays or 0), not clone.died)
+    if imitator_key == clone_key:
         return "tie"
-    return "imitator" if ours > theirs else "clone"
+    return "imitator" if imitator_key > clone_key else "clone"

@@ -18,18 +18,20 @@ def pick_evenly(traits: Sequence[Traits], count: int, rng: np.random.Generator) 
 
     Args:
         traits: The traits of each item, as many of each.
-        count: How many to pick, if there are as many.
+        count: Number to pick, if there are as many.
         rng: Source of the choice among equals.
 
     Returns:
         Indices into ``traits``.
     """
-    left = rng.permutation(len(traits)).tolist()
+    candidates = rng.permutation(len(traits)).tolist()
     n_picked: Counter[tuple[int, Hashable]] = Counter()
     picked = []
     for _ in range(min(count, len(traits))):
-        best = min(left, key=lambda item: sum(n_picked[trait] for trait in enumerate(traits[item])))
-        left.remove(best)
+        best = min(
+            candidates, key=lambda item: sum(n_picked[trait] for trait in enumerate(traits[item]))
+        )
+        candidates.remove(best)
         n_picked.update(enumerate(traits[best]))
         picked.append(best)
     return picked

@@ -30,10 +30,10 @@ class RunFigures:
     """The figures of a run that is over.
 
     Attributes:
-        ended: How it ended.
+        ended: End of the run.
         began: Whether a worker ever took it up.
         steps: Steps of the imitator's training.
-        default_steps: What its recipe proposes for the behaviour.
+        default_steps: Steps that the recipe proposes for the behaviour.
         warm_up_steps: Steps in which the imitator does not learn yet.
         n_targets: Target cells of the behaviour; None without any.
         best_targets: Targets that the best demonstration hits; None if that is not known.
@@ -57,9 +57,9 @@ class Verdict:
     """What came of a run.
 
     Attributes:
-        tone: Whether it went well; "none" where that can't be told.
-        sentence: What happened, with its figures.
-        advice: What to do next.
+        tone: Success of the run; "none" where it can't be told.
+        sentence: Result with its figures.
+        advice: Next step for the person.
         next_step: Where.
     """
 
@@ -70,7 +70,7 @@ class Verdict:
 
 
 def verdict(run: RunFigures) -> Verdict:
-    """Return what came of a run and what to do next."""
+    """Return the result of a run and the next step."""
     imitator = None if run.headline is None else run.headline.imitator
     clone = None if run.headline is None else run.headline.clone
     if imitator is None:
@@ -145,9 +145,9 @@ def _advised(
         )
         return Verdict(tone, sentence, advice, "rank")
     if makes_mistakes:
-        what = "other aliens" if strays >= order_errors else "targets out of order"
+        error = "other aliens" if strays >= order_errors else "targets out of order"
         advice = (
-            f"Teach it more: rank games in which it hits {what} low among the others, and train"
+            f"Teach it more: rank games in which it hits {error} low among the others, and train"
             " further."
         )
         return Verdict(tone, sentence, advice, "teach")
@@ -212,13 +212,15 @@ def _without_targets(imitator: PolicySummary, clone: PolicySummary | None) -> Ve
 
 def _hits(run: RunFigures, targets: Interval, clone: PolicySummary | None) -> str:
     sure = f"95% interval {targets.low:.1f} to {targets.high:.1f}, {_games(targets.n)}"
-    others = []
+    comparisons = []
     if clone is not None and clone.targets is not None:
-        others.append(f"the clone hits {_mean(clone.targets.mean)}")
+        comparisons.append(f"the clone hits {_mean(clone.targets.mean)}")
     if run.best_targets is not None:
-        others.append(f"the best demonstration {run.best_targets}")
-    rest = f"; {', '.join(others)}" if others else ""
-    return f"The imitator hits {_mean(targets.mean)} of {run.n_targets} targets ({sure}){rest}."
+        comparisons.append(f"the best demonstration {run.best_targets}")
+    comparison = f"; {', '.join(comparisons)}" if comparisons else ""
+    return (
+        f"The imitator hits {_mean(targets.mean)} of {run.n_targets} targets ({sure}){comparison}."
+    )
 
 
 def _better(targets: Interval, clone: PolicySummary | None) -> str:

@@ -101,8 +101,8 @@ class Hits:
     @property
     def swept(self) -> npt.NDArray[np.bool_]:
         """Up to which aliens the rows are swept in the end, bool (36,)."""
-        gone = self.gone.reshape(ROWS, COLUMNS)
-        return np.logical_and.accumulate(gone, axis=1).ravel()
+        cleared = self.gone.reshape(ROWS, COLUMNS)
+        return np.logical_and.accumulate(cleared, axis=1).ravel()
 
     @property
     def in_reach(self) -> npt.NDArray[np.bool_]:
@@ -121,21 +121,21 @@ class Hits:
 
 
 def learned_order(best: Sequence[Hits]) -> Array:
-    """Return how surely each alien counts only once its row is swept up to it, float64 (36,).
+    """Return the weight of order for each alien, float64 (36,), 0 to 1.
 
     It grows in proportion from 0, where half of the games that clear the row up to the alien or
     fewer have hit it last, to 1. The share is the posterior mean under Jeffreys' prior, so that two
     games that agree make it 0.67, and ten 0.91.
 
     Args:
-        best: Of the best games.
+        best: Hits of the best games.
     """
-    grid = np.stack([one.steps for one in best]).reshape(-1, ROWS, COLUMNS)
+    grid = np.stack([hits.steps for hits in best]).reshape(-1, ROWS, COLUMNS)
     order = np.zeros((ROWS, COLUMNS))
     for column in range(1, COLUMNS):
-        before, own = grid[:, :, :column].max(2), grid[:, :, column]
-        n_cleared = (np.isfinite(before) & np.isfinite(own)).sum(0)
-        n_in_order = ((before < own) & np.isfinite(own)).sum(0)
+        earlier_columns, column_steps = grid[:, :, :column].max(2), grid[:, :, column]
+        n_cleared = (np.isfinite(earlier_columns) & np.isfinite(column_steps)).sum(0)
+        n_in_order = ((earlier_columns < column_steps) & np.isfinite(column_steps)).sum(0)
         share = (n_in_order + 0.5) / (n_cleared + 1.0)
         order[:, column] = (2.0 * share - 1.0).clip(0.0)
     return order.ravel()
@@ -147,26 +147,28 @@ def log_prior(best: Sequence[Hits]) -> Array:
     It is known up to a constant.
 
     Args:
-        best: Of the best games, perhaps none.
+        best: Hits of the best games, perhaps none.
     """
-    in_reach = np.reshape([one.in_reach for one in best], (-1, N_ALIENS)).astype(bool)
-    gone = np.reshape([one.gone for one in best], (-1, N_ALIENS)).astype(bool)
-    n_hit, n_reached = (in_reach & gone).sum(0).tolist(), in_reach.sum(0).tolist()
+    in_reach = np.reshape([hits.in_reach for hits in best], (-1, N_ALIENS)).astype(bool)
+    cleared = np.reshape([hits.gone for hits in best], (-1, N_ALIENS)).astype(bool)
+    n_hit, n_reached = (in_reach & cleared).sum(0).tolist(), in_reach.sum(0).tolist()
 
     def of_hits(a: int, b: int) -> Array:
         """Return the log probability of each alien's hits with parameters a and b, (6, 1, 6)."""
-        found = [_log_beta_binomial(k, n, a, b) for k, n in zip(n_hit, n_reached, strict=True)]
-        return np.reshape(found, (ROWS, COLUMNS)).T[:, None]
+        log_probabilities = [
+            _log_beta_binomial(k, n, a, b) for k, n in zip(n_hit, n_reached, strict=True)
+        ]
+        return np.reshape(log_probabilities, (ROWS, COLUMNS)).T[:, None]
 
     n_wanted, row = np.arange(ROWS + 1)[:, None], np.arange(ROWS)
-    wanted = np.stack([of_hits(v, 1) for v in MISSED])[:, None]
-    others = np.stack([of_hits(1, u) for u in UNWANTED])
+    of_wanted = np.stack([of_hits(v, 1) for v in MISSED])[:, None]
+    of_unwanted = np.stack([of_hits(1, u) for u in UNWANTED])
     # By v, u, column and number of wanted aliens.
     kinds = [row < n_wanted, row == n_wanted]
-    of_best = np.select(kinds, [wanted, others], of_hits(*BEHIND)).sum(4)
+    of_best = np.select(kinds, [of_wanted, of_unwanted], of_hits(*BEHIND)).sum(4)
     of_numbers = [_log_probability_of_numbers(s, c) for s, c in WANTED]
     candidates = np.concatenate(
-        [of_best.reshape(-1, COLUMNS, ROWS + 1) + one for one in of_numbers]
+        [of_best.reshape(-1, COLUMNS, ROWS + 1) + log_probability for log_probability in of_numbers]
     )
     evidence = np.logaddexp.reduce(candidates, axis=2).sum(1).round(9)
     likely: Array = candidates[evidence.argmax()]
@@ -180,9 +182,9 @@ def _log_probability_of_numbers(lowest: float, further: float) -> Array:
         lowest: Probability that the lowest one is.
         further: That another one is, if all below it are.
     """
-    some = log(lowest) + np.arange(ROWS) * log(further)
-    some[:-1] += log(1.0 - further)
-    return np.array([log(1.0 - lowest), *some])
+    log_probabilities = log(lowest) + np.arange(ROWS) * log(further)
+    log_probabilities[:-1] += log(1.0 - further)
+    return np.array([log(1.0 - lowest), *log_probabilities])
 
 
 def _log_beta_binomial(k: int, n: int, a: int, b: int) -> float:
@@ -192,7 +194,7 @@ def _log_beta_binomial(k: int, n: int, a: int, b: int) -> float:
 
 
 def pair_weights(pairs: Iterable[Sequence[int]], tiers: Iterable[Sequence[int]]) -> Array:
-    """Return how much each pair counts, float64 (P,): 1 divided by the size of its larger tier.
+    """Return the weight of each pair, float64 (P,): 1 divided by the size of its larger tier.
 
     Args:
         pairs: Games of different tiers.
@@ -206,9 +208,9 @@ class Posterior:
     """The posterior of how many aliens of each column are wanted.
 
     Args:
-        hits: By game.
+        hits: Hits of each game.
         pairs: Games, the better one first.
-        weights: How much each pair counts, float64 (P,), see pair_weights.
+        weights: Weight of each pair, float64 (P,), see pair_weights.
         prior: See log_prior.
         order: See learned_order.
     """
@@ -238,34 +240,34 @@ class Posterior:
         Returns:
             The probability of each number, given the other columns', float64 (6, 7).
         """
-        found = np.empty_like(self._prior)
+        probabilities = np.empty_like(self._prior)
         for column, worth in enumerate(self._worth):
-            others = self._difference - worth[:, self._wanted[column]]
-            differences = others[:, None] + worth
+            rest_difference = self._difference - worth[:, self._wanted[column]]
+            differences = rest_difference[:, None] + worth
             log_odds = self._prior[column] + self._weights @ np.log(_probability(differences))
             odds = np.exp(log_odds - log_odds.max())
-            found[column] = odds / odds.sum()
-            self._wanted[column] = rng.choice(ROWS + 1, p=found[column])
+            probabilities[column] = odds / odds.sum()
+            self._wanted[column] = rng.choice(ROWS + 1, p=probabilities[column])
             self._difference = differences[:, self._wanted[column]]
-        return found
+        return probabilities
 
     def draws(self, rng: np.random.Generator, n_passes: int) -> npt.NDArray[np.int64]:
-        """Return how many aliens of each column are wanted after each pass, int64 (S, 6).
+        """Return the number of wanted aliens of each column after each pass, int64 (S, 6).
 
         The first passes are dropped, see BURN_IN.
         """
-        found = []
+        draws = []
         for _ in range(n_passes):
             self.sample(rng)
-            found.append(self._wanted.copy())
-        return np.array(found[int(BURN_IN * n_passes) :], np.int64)
+            draws.append(self._wanted.copy())
+        return np.array(draws[int(BURN_IN * n_passes) :], np.int64)
 
 
 def _counted(hits: Sequence[Hits], order: Array) -> tuple[Array, Array]:
-    """Return what each game gains by each alien if it is wanted, and loses if not, (n, 36) each."""
-    gone = np.reshape([one.gone for one in hits], (-1, N_ALIENS)).astype(float)
-    swept = np.reshape([one.swept for one in hits], (-1, N_ALIENS)).astype(float)
-    return (1.0 - order) * gone + order * swept, gone
+    """Return each game's gain by each alien if it is wanted, and loss if not, (n, 36) each."""
+    cleared = np.reshape([game.gone for game in hits], (-1, N_ALIENS)).astype(float)
+    swept = np.reshape([game.swept for game in hits], (-1, N_ALIENS)).astype(float)
+    return (1.0 - order) * cleared + order * swept, cleared
 
 
 def _by_column(values: Array) -> Array:
@@ -304,29 +306,29 @@ def labels_of_draws(draws: npt.NDArray[np.int64]) -> Array:
 
 
 def worth(labels: Array, order: Array, hits: Sequence[Hits]) -> Array:
-    """Return what games are worth by each draw's labels, float64 (S, n).
+    """Return the worth of games by each draw's labels, float64 (S, n).
 
     Args:
         labels: float64 (S, 36).
         order: See learned_order.
-        hits: Of n games.
+        hits: Hits of n games.
     """
     gains, costs = _counted(hits, order)
-    found: Array = (labels > 0) @ gains.T - (labels < 0) @ costs.T
-    return found
+    values: Array = (labels > 0) @ gains.T - (labels < 0) @ costs.T
+    return values
 
 
 def log_likelihood_by_game(worth: Array, pairs: npt.NDArray[np.int64], weights: Array) -> Array:
     """Return the log likelihood of each game's pairs in each draw, float64 (S, n).
 
     Args:
-        worth: What n games are worth in S draws, float64 (S, n).
+        worth: Worth of n games in S draws, float64 (S, n).
         pairs: Indices of the better game and the worse one, int64 (P, 2).
-        weights: How much each pair counts, float64 (P,), see pair_weights.
+        weights: Weight of each pair, float64 (P,), see pair_weights.
     """
     better, worse = pairs.T
-    found = weights * np.log(_probability(worth[:, better] - worth[:, worse]))
+    log_likelihoods = weights * np.log(_probability(worth[:, better] - worth[:, worse]))
     games = np.arange(worth.shape[1])
     takes_part = (pairs[:, :1] == games) | (pairs[:, 1:] == games)
-    of_games: Array = found @ takes_part
+    of_games: Array = log_likelihoods @ takes_part
     return of_games

@@ -63,8 +63,8 @@ class Demonstration:
     Attributes:
         recording: The game.
         replay: The outcome of a replay.
-        plan: What to show.
-        perfect: Whether it is for cloning and not ranked.
+        plan: Demonstration to make.
+        perfect: Whether the game is for cloning and not ranked.
         error_model: Player errors.
     """
 
@@ -77,14 +77,14 @@ class Demonstration:
     @property
     def shown(self) -> PlannedGame:
         """Its outcome, for ranking."""
-        hits = tuple(one.cell for one in self.replay.taken)
+        hits = tuple(item.cell for item in self.replay.taken)
         return PlannedGame(self.plan.number, hits, self.replay.end)
 
     @property
     def notes(self) -> str:
         """The plan's description, marked as intended where the game may deviate from it."""
-        meant = self.error_model != PERFECT and not self.perfect
-        return f"Meant as: {self.plan.description}" if meant else self.plan.description
+        is_intention = self.error_model != PERFECT and not self.perfect
+        return f"Meant as: {self.plan.description}" if is_intention else self.plan.description
 
     @property
     def conditions(self) -> dict[str, Any]:
@@ -97,8 +97,8 @@ class DemonstrationTask:
     """A demonstration to make. Tasks are independent of each other and of their order.
 
     Attributes:
-        plan: What to show.
-        perfect: Whether it is for cloning.
+        plan: Plan of the game.
+        perfect: Whether the game is for cloning.
         idle_frames: The starts to try, in turn.
         seed: Seed of the player's random choices.
         error_model: Player errors.
@@ -129,42 +129,44 @@ def demonstrate(
     games have to fulfil it within tolerance.
 
     Args:
-        plan: What to show.
-        start: How the game begins.
+        plan: Plan of the game.
+        start: Start of the game.
         rng: Source of the player's random choices.
         console: The console to play on; None loads one.
         style: Playing style; None draws one.
         error_model: Player errors.
-        perfect: Whether it is for cloning.
+        perfect: Whether the game is for cloning.
         best_effort: Whether a good attempt is enough for that.
 
     Raises:
         DemonstrationFailed: The game doesn't show the plan.
     """
     recorder = Recorder(Episode(console or SPACE_INVADERS.make_console(), start))
-    wanted = draw_hits(plan, rng)
+    hits = draw_hits(plan, rng)
     style = style or draw_style(rng)
     if error_model == PERFECT:
-        ScriptedPlayer(recorder, wanted, style, rng).play()
+        ScriptedPlayer(recorder, hits, style, rng).play()
     else:
-        HumanLikePlayer(recorder, wanted, style, error_model, rng).play()
-    made = Demonstration(recorder.recording(), recorder.replay(), plan, perfect, error_model)
-    if reason := _refusal(made, best_effort):
+        HumanLikePlayer(recorder, hits, style, error_model, rng).play()
+    demonstration = Demonstration(
+        recorder.recording(), recorder.replay(), plan, perfect, error_model
+    )
+    if reason := _refusal(demonstration, best_effort):
         raise DemonstrationFailed(reason)
-    return made
+    return demonstration
 
 
-def _refusal(made: Demonstration, best_effort: bool) -> str | None:
+def _refusal(demonstration: Demonstration, best_effort: bool) -> str | None:
     """Return why a game doesn't demonstrate its plan, None if it does."""
-    hits, end = made.shown.hits, made.replay.end
-    if made.perfect and best_effort:
-        return best_effort_violation(made.plan, hits)
-    if made.error_model != PERFECT and not made.perfect:
-        return tolerance_violation(made.plan, hits)
-    if made.error_model != PERFECT and end is None:
+    hits, end = demonstration.shown.hits, demonstration.replay.end
+    if demonstration.perfect and best_effort:
+        return best_effort_violation(demonstration.plan, hits)
+    if demonstration.error_model != PERFECT and not demonstration.perfect:
+        return tolerance_violation(demonstration.plan, hits)
+    if demonstration.error_model != PERFECT and end is None:
         # A person may quit once all planned aliens are hit.
-        return rule_violation(made.plan, hits)
-    return plan_violation(made.plan, GameOutcome(hits, end, made.replay.n_frames))
+        return rule_violation(demonstration.plan, hits)
+    return plan_violation(demonstration.plan, GameOutcome(hits, end, demonstration.replay.n_frames))
 
 
 def example_tasks(
@@ -209,7 +211,7 @@ def make_example(
     ends the work.
 
     Args:
-        behaviour: What to show.
+        behaviour: Behaviour to demonstrate.
         rng: Source of the starts and the player's seeds.
         n_perfect: Number of perfect demonstrations.
         n_processes: Processes to play in; 1 plays in this one.

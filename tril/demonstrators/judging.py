@@ -110,20 +110,23 @@ def swap_neighbours(ranking: Ranking, n_pairs: int, rng: np.random.Generator) ->
     # by the number of pairs before it.
     drawn = np.sort(rng.choice(n_tiers - n_pairs, n_pairs, replace=False))
     for above in (drawn + np.arange(n_pairs)).tolist():
-        one = int(rng.integers(len(tiers[above])))
-        other = int(rng.integers(len(tiers[above + 1])))
-        tiers[above][one], tiers[above + 1][other] = tiers[above + 1][other], tiers[above][one]
+        index = int(rng.integers(len(tiers[above])))
+        index_below = int(rng.integers(len(tiers[above + 1])))
+        tiers[above][index], tiers[above + 1][index_below] = (
+            tiers[above + 1][index_below],
+            tiers[above][index],
+        )
     return normalise(tiers)
 
 
 def merit(behaviour: Behaviour, hits: tuple[Cell, ...], end: str | None) -> tuple[int, int]:
-    """Return what a game is worth, to be compared: its hits, then whether it was survived.
+    """Return the merit of a game, for comparison: its hits, then whether it was survived.
 
     Args:
         behaviour: A behaviour with target cells.
         hits: The items taken as (row, column), in order of time.
         end: Why the game ended, None if it was quit.
     """
-    found = score(behaviour, hits)
-    assert found is not None, "only behaviours with target cells have an example"
-    return found.worth, int(end != EndReason.HIT)
+    outcome = score(behaviour, hits)
+    assert outcome is not None, "only behaviours with target cells have an example"
+    return outcome.worth, int(end != EndReason.HIT)

@@ -59,10 +59,12 @@ class ExampleKind:
         Raises:
             Invalid: The demonstrator can't show this behaviour.
         """
-        every = example_plans(behaviour)
-        none = next(index for index, plan in enumerate(every) if plan.max_hits == 0)
+        plans = example_plans(behaviour)
+        empty_index = next(index for index, plan in enumerate(plans) if plan.max_hits == 0)
         chosen = [
-            plan for index, plan in enumerate(every) if _category(index, none) in self.categories
+            plan
+            for index, plan in enumerate(plans)
+            if _category(index, empty_index) in self.categories
         ]
         if self.n_ranked < len(chosen):
             indices = np.linspace(0, len(chosen) - 1, self.n_ranked).round().astype(int)
@@ -71,12 +73,12 @@ class ExampleKind:
         return sorted(repeated, key=lambda plan: plan.number)
 
 
-def _category(index: int, none: int) -> PlanCategory:
+def _category(index: int, empty_index: int) -> PlanCategory:
     if index == 0:
         return PlanCategory.BEST
-    if index == none:
+    if index == empty_index:
         return PlanCategory.NONE
-    return PlanCategory.GRADUAL if index < none else PlanCategory.WRONG
+    return PlanCategory.GRADUAL if index < empty_index else PlanCategory.WRONG
 
 
 SCRIPTED = ExampleKind("scripted", "the twelve, played flawlessly and ranked without mistakes")

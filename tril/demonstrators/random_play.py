@@ -37,12 +37,12 @@ def random_actions(rng: np.random.Generator, n_actions: int) -> Iterator[int]:
     mean_hold = math.exp(rng.uniform(*np.log(HOLD_STEPS)))
     while True:
         probabilities = rng.dirichlet([CONCENTRATION] * n_actions)
-        left = int(rng.integers(*PHASE_STEPS, endpoint=True))
-        while left > 0:
+        n_left = int(rng.integers(*PHASE_STEPS, endpoint=True))
+        while n_left > 0:
             action = int(rng.choice(n_actions, p=probabilities))
-            hold = min(left, int(rng.geometric(1 / mean_hold)))
+            hold = min(n_left, int(rng.geometric(1 / mean_hold)))
             yield from [action] * hold
-            left -= hold
+            n_left -= hold
 
 
 def play_randomly(rng: np.random.Generator, console: Console) -> Verified:

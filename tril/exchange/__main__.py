@@ -9,8 +9,8 @@ from tril.exchange.formats.recording_object import recording_schema
 SCHEMAS = {"recording": recording_schema, "behaviour": behaviour_schema}
 
 if __name__ == "__main__":
-    wanted = sys.argv[1] if len(sys.argv) > 1 else "recording"
-    if wanted not in SCHEMAS:
-        sys.exit(f"Expected one of {', '.join(SCHEMAS)}, got {wanted!r}.")
-    json.dump(SCHEMAS[wanted](), sys.stdout, indent=2)
+    schema = sys.argv[1] if len(sys.argv) > 1 else "recording"
+    if schema not in SCHEMAS:
+        sys.exit(f"Expected one of {', '.join(SCHEMAS)}, got {schema!r}.")
+    json.dump(SCHEMAS[schema](), sys.stdout, indent=2)
     sys.stdout.write("\n")

@@ -96,7 +96,7 @@ class Contents:
     Attributes:
         n_recordings: Number of recordings, including deleted ones and those of runs.
         n_runs: Number of runs.
-        artifacts: Of each file of a run: its path, its size, the run and the run's status.
+        artifacts: Path, size, run and run status of each file.
     """
 
     n_recordings: int
@@ -109,9 +109,9 @@ class Manifest:
     """What a backup says of itself.
 
     Attributes:
-        files: Its files.
+        files: Files of the backup.
         artifacts_elsewhere: URL of the artifact store, if the runs' files are not in the backup.
-        contents: What the application's database contains, if the backup has a dump of it.
+        contents: Contents of the application's database, if the backup has a dump of it.
     """
 
     files: list[CopiedFile]
@@ -124,7 +124,7 @@ class Backup:
     """A verified backup.
 
     Attributes:
-        folder: Its folder.
+        folder: Folder of the backup.
         n_files: Number of files, including the databases.
         size_bytes: Total size.
         n_recordings: Number of recordings, including deleted ones and those of runs.
@@ -183,12 +183,12 @@ def _make_backup(settings: Settings, databases: dict[str, Path | Engine], folder
     folder.parent.mkdir(parents=True, exist_ok=True)
     store = ArtifactStore(settings.artifact_root)
     sizes = [*map(_size, databases.values()), *map(_size, _artifact_files(store.folder))]
-    _check_room(folder.parent, sum(sizes))
+    _check_free_space(folder.parent, sum(sizes))
     for attempt in range(1, MAX_ATTEMPTS + 1):
         unfinished = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
         try:
             _copy(settings, databases, unfinished)
-            made = check_backup(unfinished)
+            backup = check_backup(unfinished)
             if folder.exists():
                 folder.rmdir()
             unfinished.rename(folder)
@@ -198,7 +198,7 @@ def _make_backup(settings: Settings, databases: dict[str, Path | Engine], folder
             continue
         finally:
             shutil.rmtree(unfinished, ignore_errors=True)
-        return replace(made, folder=folder)
+        return replace(backup, folder=folder)
     raise AssertionError("unreachable: the last try returns or raises")
 
 
@@ -218,9 +218,9 @@ def check_backup(folder: Path) -> Backup:
         if _digest(place) != (file.size_bytes, file.blake2b):
             raise BackupDamaged(f"{file.path} in {folder} was changed after the backup.")
     names = {file.path for file in files}
-    if more := sorted(present.keys() - names - {MANIFEST}):
+    if unlisted := sorted(present.keys() - names - {MANIFEST}):
         # Such as a database's log, a key, or a file that a program would read beside it.
-        raise BackupDamaged(f"{more[0][:200]!r} in {folder} is not of the backup. Remove it.")
+        raise BackupDamaged(f"{unlisted[0][:200]!r} in {folder} is not of the backup. Remove it.")
     has_dump = "tril.dump" in names
     for name in sorted(names & {"jobs.dump", "tril.dump"}):
         try:
@@ -303,10 +303,10 @@ def _contents(connection: Connection) -> Contents:
 def _contents_of_file(place: Path) -> Contents:
     try:
         with closing(_open_read_only(place)) as database:
-            revisions = {one for (one,) in database.execute(_REVISIONS)}
+            revisions = {revision for (revision,) in database.execute(_REVISIONS)}
             (n_recordings,) = database.execute(_N_RECORDINGS).fetchone()
             (n_runs,) = database.execute(_N_RUNS).fetchone()
-            found = Contents(n_recordings, n_runs, database.execute(_ARTIFACTS).fetchall())
+            contents = Contents(n_recordings, n_runs, database.execute(_ARTIFACTS).fetchall())
     except sqlite3.DatabaseError as error:
         raise BackupDamaged(f"{place.name} is no database of Tril: {error}.") from error
     if not revisions <= known_revisions():
@@ -314,27 +314,27 @@ def _contents_of_file(place: Path) -> Contents:
             f"{place.name} was written by a newer version of Tril, which this one can't read."
             " Update Tril."
         )
-    return found
+    return contents
 
 
 def _copy_file(source: Path, to: Path) -> tuple[int, str]:
     """Copy a file; return the size and digest of the bytes read."""
     digest, size = hashlib.blake2b(digest_size=16), 0
-    with source.open("rb") as given:
+    with source.open("rb") as original:
         to.parent.mkdir(parents=True, exist_ok=True)
-        with to.open("wb") as written:
-            while chunk := given.read(_CHUNK_BYTES):
+        with to.open("wb") as copy:
+            while chunk := original.read(_CHUNK_BYTES):
                 digest.update(chunk)
-                size += written.write(chunk)
-            written.flush()
-            os.fsync(written.fileno())
+                size += copy.write(chunk)
+            copy.flush()
+            os.fsync(copy.fileno())
     return size, digest.hexdigest()
 
 
 def _digest(place: Path) -> tuple[int, str]:
     with place.open("rb") as file:
-        found = hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=16))
-        return file.tell(), found.hexdigest()
+        digest = hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=16))
+        return file.tell(), digest.hexdigest()
 
 
 def _artifact_files(root: Path | None) -> Iterator[Path]:
@@ -351,7 +351,7 @@ def _size(source: Path | Engine) -> int:
         return int(connection.scalar(text("SELECT pg_database_size(current_database())")) or 0)
 
 
-def _check_room(folder: Path, needed: int) -> None:
+def _check_free_space(folder: Path, needed: int) -> None:
     free = free_bytes(folder)
     if needed > free:
         raise Unavailable(
@@ -380,13 +380,13 @@ def _open_read_only(place: Path) -> sqlite3.Connection:
 def _check_database(place: Path) -> None:
     try:
         with closing(_open_read_only(place)) as database:
-            (found,) = database.execute("PRAGMA integrity_check(1)").fetchone()
+            (verdict,) = database.execute("PRAGMA integrity_check(1)").fetchone()
             broken = database.execute("PRAGMA foreign_key_check").fetchone()
             foreign = _foreign_objects(database)
     except sqlite3.DatabaseError as error:
         raise BackupDamaged(f"{place.name} is damaged: {error}.") from error
-    if found != "ok":
-        raise BackupDamaged(f"{place.name} is damaged: {found}.")
+    if verdict != "ok":
+        raise BackupDamaged(f"{place.name} is damaged: {verdict}.")
     if foreign:
         raise BackupDamaged(
             f"{place.name} was not written by Tril alone: it has {foreign[0][:80]!r}."

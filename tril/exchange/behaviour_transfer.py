@@ -51,10 +51,10 @@ class BehaviourImportResult:
 
     Attributes:
         slug: The behaviour that was filled or created.
-        was_there: Whether it is a built-in behaviour that was empty; else it is new.
+        was_there: Whether an empty built-in behaviour was filled; else the behaviour is new.
         n_recordings: Recordings added, including deleted ones.
         n_revisions: Revisions of the ranking added.
-        notices: What was changed or ignored.
+        notices: Changed or ignored values.
     """
 
     slug: str
@@ -83,7 +83,7 @@ def export_behaviour(session: Session, behaviour: BehaviourRow) -> tuple[dict[st
         for row in rows
         if row.verification != Verification.VERIFIED
     ]
-    known = {row.id for row in sound}
+    recording_ids = {row.id for row in sound}
     borrowed_now = {row.id for row in borrowed.listing(session, behaviour.id)}
     names = players.names(session)
     about = behaviours.as_behaviour(behaviour)
@@ -99,12 +99,12 @@ def export_behaviour(session: Session, behaviour: BehaviourRow) -> tuple[dict[st
         "settings": about.settings.to_json(),
         "measures": [measure.to_json() for measure in about.measures],
         "recordings": [
-            _numbered(row, known, names)
+            _numbered(row, recording_ids, names)
             if row.behaviour_id == behaviour.id and row.run_id is None
             else _numbered_borrowed(session, row, names, row.id in borrowed_now)
             for row in sound
         ],
-        "rankings": [_revision(row, known, names) for row in revisions],
+        "rankings": [_revision(row, recording_ids, names) for row in revisions],
         "answers": [_answer(row, names) for row in answers.current_rows(session, behaviour.id)],
     }, notices
 
@@ -128,38 +128,38 @@ def import_behaviour(
         NameTaken: There is a behaviour of the name that was asked for.
         Conflict: There are too many behaviours.
     """
-    given = parse_behaviour(content)
-    settings, measures = _check_game(given)
-    replayed = _replayed(given)
+    behaviour = parse_behaviour(content)
+    settings, measures = _check_game(behaviour)
+    replayed = _replayed(behaviour)
     with database.writing() as session:
-        found = None if name is not None else _empty_built_in(session, given, settings)
-        row = found or behaviours.create(
+        empty = None if name is not None else _empty_built_in(session, behaviour, settings)
+        row = empty or behaviours.create(
             session,
-            name or behaviours.free_name(session, given.name),
-            given.description,
-            _target(given),
-            given.ordered,
-            game=given.game,
+            name or behaviours.free_name(session, behaviour.name),
+            behaviour.description,
+            _target(behaviour),
+            behaviour.ordered,
+            game=behaviour.game,
             settings=settings,
             measures=measures,
         )
         row.measures = [measure.to_json() for measure in measures]
-        ids = _add_recordings(session, row.id, given, replayed)
-        revisions = [_ranking_row(session, row.id, saved, ids) for saved in given.rankings]
+        ids = _add_recordings(session, row.id, behaviour, replayed)
+        revisions = [_ranking_row(session, row.id, saved, ids) for saved in behaviour.rankings]
         rankings.restore_history(session, row.id, revisions)
-        session.add_all(_answer_row(session, row.id, answer) for answer in given.answers)
+        session.add_all(_answer_row(session, row.id, answer) for answer in behaviour.answers)
         audit.note(session, audit.Action.IMPORTED, None, f"behaviour {row.id}", recordings=len(ids))
         notices = [
             f"Recording {number}: {notice}"
-            for number, one in replayed.items()
-            for notice in one.notices
+            for number, recording in replayed.items()
+            for notice in recording.notices
         ]
-        return BehaviourImportResult(row.slug, found is not None, len(ids), len(revisions), notices)
+        return BehaviourImportResult(row.slug, empty is not None, len(ids), len(revisions), notices)
 
 
-def _numbered(row: RecordingRow, known: set[int], names: dict[int, str]) -> dict[str, Any]:
+def _numbered(row: RecordingRow, recording_ids: set[int], names: dict[int, str]) -> dict[str, Any]:
     parent = None
-    if row.parent_id in known and row.parent_frame is not None:
+    if row.parent_id in recording_ids and row.parent_frame is not None:
         parent = {"number": row.parent_id, "frame": row.parent_frame}
     return {
         "number": row.id,
@@ -190,13 +190,13 @@ def _numbered_borrowed(
     return numbered
 
 
-def _revision(row: RankingRow, known: set[int], names: dict[int, str]) -> dict[str, Any]:
-    kept = rankings.as_ranking(row).without(
-        {key for tier in row.tiers for key in tier if key not in known}
+def _revision(row: RankingRow, recording_ids: set[int], names: dict[int, str]) -> dict[str, Any]:
+    ranking = rankings.as_ranking(row).without(
+        {key for tier in row.tiers for key in tier if key not in recording_ids}
     )
     return {
         "revision": row.revision,
-        "tiers": [list(tier) for tier in kept.tiers],
+        "tiers": [list(tier) for tier in ranking.tiers],
         "change": row.change,
         "player": None if row.player_id is None else names.get(row.player_id),
         "saved_at": row.created_at.isoformat(),
@@ -226,24 +226,31 @@ def _answer_row(session: Session, behaviour_id: int, answer: AnswerObject) -> St
     )
 
 
-def _target(given: BehaviourObject) -> tuple[Cell, ...] | None:
-    return None if given.target is None else tuple((r, c) for r, c in given.target)
+def _target(behaviour: BehaviourObject) -> tuple[Cell, ...] | None:
+    return None if behaviour.target is None else tuple((r, c) for r, c in behaviour.target)
 
 
-def _check_game(given: BehaviourObject) -> tuple[GameSettings, tuple[Measure, ...]]:
+def _check_game(behaviour_file: BehaviourObject) -> tuple[GameSettings, tuple[Measure, ...]]:
     """Check that the behaviour's game is here and has what it sets, targets and measures."""
-    for numbered in given.recordings:
-        if numbered.recording.game != given.game:
+    for numbered in behaviour_file.recordings:
+        if numbered.recording.game != behaviour_file.game:
             raise BehaviourRefused(
                 f"Recording {numbered.number} is of {numbered.recording.game}, the behaviour of"
-                f" {given.game}."
+                f" {behaviour_file.game}."
             )
     try:
-        settings = GameSettings.from_json(given.settings)
-        measures = measures_from_json(given.measures)
-        target = _target(given)
+        settings = GameSettings.from_json(behaviour_file.settings)
+        measures = measures_from_json(behaviour_file.measures)
+        target = _target(behaviour_file)
         behaviour = Behaviour(
-            given.slug, given.name, "", given.game, target, given.ordered, settings, measures
+            behaviour_file.slug,
+            behaviour_file.name,
+            "",
+            behaviour_file.game,
+            target,
+            behaviour_file.ordered,
+            settings,
+            measures,
         )
         game = game_of(behaviour)
         game.check_target(behaviour)
@@ -253,10 +260,10 @@ def _check_game(given: BehaviourObject) -> tuple[GameSettings, tuple[Measure, ..
     return settings, measures
 
 
-def _replayed(given: BehaviourObject) -> dict[int, ImportedRecording]:
+def _replayed(behaviour: BehaviourObject) -> dict[int, ImportedRecording]:
     consoles = Consoles()
     replayed: dict[int, ImportedRecording] = {}
-    for numbered in given.recordings:
+    for numbered in behaviour.recordings:
         try:
             content = numbered.recording.model_dump(mode="json", exclude_none=True)
             replayed[numbered.number] = load_recording(content, consoles)
@@ -268,15 +275,15 @@ def _replayed(given: BehaviourObject) -> dict[int, ImportedRecording]:
 
 
 def _empty_built_in(
-    session: Session, given: BehaviourObject, settings: GameSettings
+    session: Session, behaviour_file: BehaviourObject, settings: GameSettings
 ) -> BehaviourRow | None:
     for row in behaviours.listing(session):
-        if not row.built_in or row.slug != given.slug:
+        if not row.built_in or row.slug != behaviour_file.slug:
             continue
         present = behaviours.as_behaviour(row)
         is_same = (present.target, present.ordered, present.settings) == (
-            _target(given),
-            given.ordered,
+            _target(behaviour_file),
+            behaviour_file.ordered,
             settings,
         )
         is_empty = not recordings.has_any(session, row.id) and not rankings.history(session, row.id)
@@ -302,15 +309,15 @@ def _ranking_row(
 def _add_recordings(
     session: Session,
     behaviour_id: int,
-    given: BehaviourObject,
+    behaviour: BehaviourObject,
     replayed: dict[int, ImportedRecording],
 ) -> dict[int, int]:
     """Add the recordings; return their ids by number in the file."""
     rows = {
         numbered.number: _add(session, behaviour_id, numbered, replayed[numbered.number])
-        for numbered in given.recordings
+        for numbered in behaviour.recordings
     }
-    for numbered in given.recordings:
+    for numbered in behaviour.recordings:
         if numbered.parent is not None:
             row = rows[numbered.number]
             row.parent_id = rows[numbered.parent.number].id
@@ -319,18 +326,18 @@ def _add_recordings(
 
 
 def _add(
-    session: Session, behaviour_id: int, numbered: NumberedRecording, given: ImportedRecording
+    session: Session, behaviour_id: int, numbered: NumberedRecording, imported: ImportedRecording
 ) -> RecordingRow:
     row = recordings.add(
         session,
         behaviour_id,
-        given.recording,
-        given.replay,
-        Source(given.source or Source.PERSON),
+        imported.recording,
+        imported.replay,
+        Source(imported.source or Source.PERSON),
         player_id=_player(session, numbered.player),
-        perfect=given.perfect,
-        notes=given.notes,
-        conditions=given.conditions,
+        perfect=imported.perfect,
+        notes=imported.notes,
+        conditions=imported.conditions,
     )
     row.created_at = numbered.played_at
     row.finished_at = numbered.played_at

@@ -46,7 +46,7 @@ class RecordingImportResult:
     Attributes:
         recording_ids: The recordings added, in the file's order.
         already_there: Recordings of the library that the file contains; they are not added again.
-        notices: What was changed or ignored; at most MAX_EXAMPLES of them.
+        notices: Changed or ignored values; at most MAX_EXAMPLES of them.
         refusals: Lines that were refused, with the reason; at most MAX_EXAMPLES of them.
         n_notices: Number of notices.
         n_refused: Number of lines that were refused.
@@ -87,7 +87,7 @@ def import_recordings(
         perfect: Mark all of them as perfect, else those marked in the file.
         player_id: The player of recordings by a person.
         max_recordings: Further recordings are refused.
-        max_of_player: How many recordings of the player may be stored; None for any number.
+        max_of_player: Most stored recordings of the player; None for any number.
         load: Loads and verifies a recording, as ``load_recording`` does; None for doing it here.
 
     Raises:
@@ -107,24 +107,26 @@ def import_recordings(
         return outcome
     with database.writing() as session:
         present = library.same_games(
-            session, behaviour_id, [given.recording for _, given in accepted]
+            session, behaviour_id, [imported.recording for _, imported in accepted]
         )
-        known = [present.get(_identity(given.recording)) for _, given in accepted]
-        outcome.already_there += [key for key in known if key is not None]
-        accepted = [one for one, key in zip(accepted, known, strict=True) if key is None]
+        present_ids = [present.get(_identity(imported.recording)) for _, imported in accepted]
+        outcome.already_there += [key for key in present_ids if key is not None]
+        accepted = [
+            imported for imported, key in zip(accepted, present_ids, strict=True) if key is None
+        ]
         if player_id is not None and max_of_player is not None:
             recordings.refuse_too_many(session, player_id, max_of_player, len(accepted))
-        for _, given in accepted:
+        for _, imported in accepted:
             row = recordings.add(
                 session,
                 behaviour_id,
-                given.recording,
-                given.replay,
-                Source(given.source or Source.PERSON),
-                player_id=player_id if given.source in (None, Source.PERSON) else None,
-                perfect=perfect or given.perfect,
-                notes=given.notes,
-                conditions=_conditions(given),
+                imported.recording,
+                imported.replay,
+                Source(imported.source or Source.PERSON),
+                player_id=player_id if imported.source in (None, Source.PERSON) else None,
+                perfect=perfect or imported.perfect,
+                notes=imported.notes,
+                conditions=_conditions(imported),
             )
             outcome.recording_ids.append(row.id)
         if outcome.recording_ids:
@@ -136,7 +138,7 @@ def import_recordings(
                 recordings=len(outcome.recording_ids),
             )
         if rank and accepted:
-            _rank(session, behaviour_id, [given for _, given in accepted], outcome, player_id)
+            _rank(session, behaviour_id, [imported for _, imported in accepted], outcome, player_id)
     outcome.n_notices = len(outcome.notices)
     # Notices about the whole file come last.
     del outcome.notices[MAX_EXAMPLES - 1 : -1]
@@ -144,7 +146,7 @@ def import_recordings(
 
 
 def _identity(recording: Recording) -> tuple[str, Start, bytes, str]:
-    """Return what determines a game: the emulator plays it the same way again."""
+    """Return the identity of a game: everything that determines its replay."""
     return recording.game.name, recording.start, recording.actions, recording.version
 
 
@@ -185,17 +187,17 @@ def _read(
         try:
             if line.refusal is not None:
                 raise Invalid(line.refusal)
-            given = load(with_defaults(line.content, game))
-            _refuse_other_game(given.recording, game)
+            imported = load(with_defaults(line.content, game))
+            _refuse_other_game(imported.recording, game)
         except Invalid as error:
             refusals.append(LineMessage(line.number, str(error)))
             continue
-        first, _ = accepted.setdefault(_identity(given.recording), (line.number, given))
+        first, _ = accepted.setdefault(_identity(imported.recording), (line.number, imported))
         if first != line.number:
             notice = f"It is the same game as in line {first}, so it was not imported again."
             outcome.notices.append(LineMessage(line.number, notice))
             continue
-        outcome.notices += [LineMessage(line.number, notice) for notice in given.notices]
+        outcome.notices += [LineMessage(line.number, notice) for notice in imported.notices]
     outcome.n_refused = len(refusals)
     # The last one may say that the file is too long.
     del refusals[MAX_EXAMPLES - 1 : -1]
@@ -231,9 +233,9 @@ def _rank(
     )
 
 
-def _conditions(given: ImportedRecording) -> dict[str, Any]:
-    parent = {} if given.parent is None else {"imported_parent": given.parent}
-    return {**given.conditions, **parent}
+def _conditions(recording: ImportedRecording) -> dict[str, Any]:
+    parent = {} if recording.parent is None else {"imported_parent": recording.parent}
+    return {**recording.conditions, **parent}
 
 
 def dump_row(row: RecordingRow, tier: int | None = None) -> dict[str, Any]:

@@ -187,7 +187,11 @@ def _read(members: dict[str, zipfile.ZipInfo], archive: zipfile.ZipFile) -> RunA
     networks = {
         kind: _network(name, content(name, MAX_NETWORK_BYTES)) for kind, name in NETWORKS.items()
     }
-    names = [picture_name(one.state, kind) for one in run.attention for kind in PICTURES]
+    names = [
+        picture_name(attention_map.state, kind)
+        for attention_map in run.attention
+        for kind in PICTURES
+    ]
     return RunArchive(
         run=run,
         ranked=_recordings(RANKED, content(RANKED, MAX_JSON_BYTES), run.ranked),
@@ -206,7 +210,7 @@ def _recordings(
     lines = content.splitlines()
     if len(lines) != len(games):
         raise RunRefused(f"{name} has {len(lines)} lines, but {len(games)} recordings are listed.")
-    found = []
+    recordings = []
     for line, game in zip(lines, games, strict=True):
         try:
             if len(line) > MAX_OBJECT_BYTES:
@@ -216,8 +220,8 @@ def _recordings(
             raise RunRefused(f"Recording {game.number} in {name}: {error}") from None
         if len(recording.taken or ()) != len(game.taken_frames):
             raise RunRefused(f"Recording {game.number} in {name} has other items than are listed.")
-        found.append(recording)
-    return found
+        recordings.append(recording)
+    return recordings
 
 
 def _network(name: str, content: bytes) -> bytes:

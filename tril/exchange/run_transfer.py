@@ -84,7 +84,7 @@ class RunImportResult:
 
     Attributes:
         run_id: The run, which has the id that it had where it was trained.
-        behaviour_id: Its behaviour.
+        behaviour_id: Behaviour of the run.
         was_there: Whether it had been imported, or trained here, before; then nothing was changed
             but that it is shown again if it was deleted.
     """
@@ -106,10 +106,10 @@ def export_run(session: Session, run_id: str) -> ExportedRun:
     assert row.finished_at is not None
     taught = behaviours.as_behaviour(behaviours.get(session, row.behaviour_id))
     ids = set(row.snapshot.recordings)
-    shown = recordings.by_ids(session, ids)
-    ranked = [shown[number] for number in row.snapshot.ranked]
-    among = {one.id for one in ranked}
-    unranked = [shown[number] for number in row.snapshot.perfect if number not in among]
+    rows = recordings.by_ids(session, ids)
+    ranked = [rows[number] for number in row.snapshot.ranked]
+    ranked_ids = {game.id for game in ranked}
+    unranked = [rows[number] for number in row.snapshot.perfect if number not in ranked_ids]
     games = evaluations.listing(session, run_id)
     files = artifacts.listing(session, run_id)
     percentiles = [file for file in files if file.kind == "reward_percentiles"]
@@ -145,8 +145,8 @@ def export_run(session: Session, run_id: str) -> ExportedRun:
             for file in files
             if file.kind == "attention_map"
         ],
-        ranked=[PlayedGame(**_played(one)) for one in ranked],
-        unranked=[PlayedGame(**_played(one)) for one in unranked],
+        ranked=[PlayedGame(**_played(game)) for game in ranked],
+        unranked=[PlayedGame(**_played(game)) for game in unranked],
         evaluation=[
             EvaluationGame(
                 **_played(game.recording),
@@ -219,7 +219,7 @@ def import_run(
         name: Name of a new behaviour for it; None fills a built-in one if it can.
         trusted: Whether its recordings are taken as they are, without replaying them, since the
             file ships with Tril.
-        player_id: Who imports it; None for a command in the terminal.
+        player_id: Player that imports the run; None for a command in the terminal.
 
     Raises:
         RunRefused: A recording does not replay to what the file says.
@@ -229,8 +229,8 @@ def import_run(
     """
     run = archive.run
     with database.writing() as session:
-        if (known := _restored(session, run.id, player_id)) is not None:
-            return known
+        if (imported := _restored(session, run.id, player_id)) is not None:
+            return imported
     recipe = checked(recipe_from_dict(run.recipe))
     if len(recipe.name) > MAX_RECIPE_NAME:
         raise RunRefused("The name of the run's recipe is too long.")
@@ -242,17 +242,22 @@ def import_run(
         paths = _put_files(store, archive, folder)
         with database.writing() as session:
             # Another process may have imported it meanwhile.
-            if (known := _restored(session, run.id, player_id)) is not None:
+            if (imported := _restored(session, run.id, player_id)) is not None:
                 store.remove_folder(folder)
-                return known
+                return imported
             # Nobody else moves files there before this transaction ends.
             store.move_folder(folder, artifacts.folder_of(run.id))
             behaviour = _behaviour(session, run, name)
             ids = {
                 game.number: _add(
-                    session, behaviour.id, game, given, replayed[game.number], run.perfect
+                    session,
+                    behaviour.id,
+                    game,
+                    recording_object,
+                    replayed[game.number],
+                    run.perfect,
                 )
-                for game, given in archive.demonstrations
+                for game, recording_object in archive.demonstrations
             }
             _rank(session, behaviour.id, run, ids)
             row = RunRow(
@@ -320,33 +325,39 @@ def _restored(session: Session, run_id: str, player_id: int | None) -> RunImport
 
 def recorded(archive: RunArchive) -> dict[int, tuple[Recording, Replay]]:
     """Return the recordings with what the file says happened in them."""
-    found = {}
-    for game, given in (*archive.demonstrations, *archive.games):
-        recording = as_recording(given)
+    recordings = {}
+    for game, recording_object in (*archive.demonstrations, *archive.games):
+        recording = as_recording(recording_object)
         taken = tuple(
             Taken(row, column, frame)
-            for (row, column), frame in zip(given.taken or (), game.taken_frames, strict=True)
+            for (row, column), frame in zip(
+                recording_object.taken or (), game.taken_frames, strict=True
+            )
         )
-        end = None if given.end is None else recording.game.end(given.end).name
-        found[game.number] = (
+        end = (
+            None if recording_object.end is None else recording.game.end(recording_object.end).name
+        )
+        recordings[game.number] = (
             recording,
             Replay(taken, end, recording.n_frames, game.counters, game.score, recording.hashes),
         )
-    return found
+    return recordings
 
 
 def _replayed(archive: RunArchive) -> dict[int, tuple[Recording, Replay]]:
     consoles = Consoles()
-    found = {}
-    for game, given in (*archive.demonstrations, *archive.games):
+    recordings = {}
+    for game, recording_object in (*archive.demonstrations, *archive.games):
         try:
-            one = load_recording(given.model_dump(mode="json", exclude_none=True), consoles)
+            imported = load_recording(
+                recording_object.model_dump(mode="json", exclude_none=True), consoles
+            )
         except RecordingRefused as refusal:
             raise RunRefused(
                 f"Nothing was imported. Recording {game.number} was refused: {refusal}"
             ) from refusal
-        found[game.number] = (one.recording, one.replay)
-    return found
+        recordings[game.number] = (imported.recording, imported.replay)
+    return recordings
 
 
 def _put_files(
@@ -368,30 +379,30 @@ def _put_files(
 
 
 def _behaviour(session: Session, run: RunObject, name: str | None) -> BehaviourRow:
-    given = run.behaviour
-    target = None if given.target is None else tuple((r, c) for r, c in given.target)
-    settings = GameSettings.from_json(given.settings)
+    behaviour = run.behaviour
+    target = None if behaviour.target is None else tuple((r, c) for r, c in behaviour.target)
+    settings = GameSettings.from_json(behaviour.settings)
     if name is None:
         for row in behaviours.listing(session):
             present = behaviours.as_behaviour(row)
             is_same = (present.slug, present.target, present.ordered, present.settings) == (
-                given.slug,
+                behaviour.slug,
                 target,
-                given.ordered,
+                behaviour.ordered,
                 settings,
             )
             if row.built_in and is_same and _is_empty(session, row.id):
                 return row
-    free = behaviours.free_name(session, name or given.name)
+    free = behaviours.free_name(session, name or behaviour.name)
     return behaviours.create(
         session,
         free,
-        given.description,
+        behaviour.description,
         target,
-        given.ordered,
+        behaviour.ordered,
         game=run.game,
         settings=settings,
-        measures=measures_from_json(given.measures),
+        measures=measures_from_json(behaviour.measures),
     )
 
 
@@ -404,7 +415,7 @@ def _add(
     session: Session,
     behaviour_id: int,
     game: PlayedGame,
-    given: RecordingObject,
+    recording_object: RecordingObject,
     replayed: tuple[Recording, Replay],
     perfect: Iterable[int],
 ) -> int:
@@ -414,10 +425,10 @@ def _add(
         behaviour_id,
         recording,
         played,
-        Source(given.source or Source.PERSON),
+        Source(recording_object.source or Source.PERSON),
         perfect=game.number in perfect,
-        notes=given.notes or "",
-        conditions=given.conditions,
+        notes=recording_object.notes or "",
+        conditions=recording_object.conditions,
     )
     row.created_at = row.finished_at = game.played_at
     return row.id
@@ -443,7 +454,7 @@ def _add_results(
     replayed: Mapping[int, tuple[Recording, Replay]],
 ) -> None:
     run_id, taught = archive.run.id, behaviours.as_behaviour(behaviour)
-    for game, given in archive.games:
+    for game, recording_object in archive.games:
         recording, played = replayed[game.number]
         row = recordings.add(
             session,
@@ -452,7 +463,7 @@ def _add_results(
             played,
             Source.POLICY,
             run_id=run_id,
-            conditions=given.conditions,
+            conditions=recording_object.conditions,
         )
         row.created_at = row.finished_at = game.played_at
         evaluations.add(
@@ -463,9 +474,9 @@ def _add_results(
             game.held_out,
             game.predicted_return,
             game.final_level,
-            score(taught, tuple(one.cell for one in played.taken)),
+            score(taught, tuple(item.cell for item in played.taken)),
         )
-    points = [(str(one.stage), one.step, one.values) for one in archive.run.curves]
+    points = [(str(point.stage), point.step, point.values) for point in archive.run.curves]
     metrics.add_curves(session, run_id, points)
 
 
@@ -491,9 +502,9 @@ def _keep_percentiles(
     if not run.percentiles:
         return
     name = "reward-percentiles.json"
-    found = RewardPercentiles(states=[_moved(one, ids) for one in run.percentiles])
-    size = store.put(artifacts.path_of(run.id, name), found.model_dump_json().encode())
-    details = found.model_dump(mode="json")
+    percentiles = RewardPercentiles(states=[_moved(state, ids) for state in run.percentiles])
+    size = store.put(artifacts.path_of(run.id, name), percentiles.model_dump_json().encode())
+    details = percentiles.model_dump(mode="json")
     artifacts.save(session, run.id, "reward_percentiles", name, "application/json", size, details)
 
 

@@ -128,10 +128,10 @@ class ArtifactStore:
         place = self._place(path)
         try:
             with _reporting(path):
-                found = self._files.ls(place, detail=False)
+                paths = self._files.ls(place, detail=False)
         except NotFound:
             return []
-        names = sorted(PurePosixPath(one).name for one in found)
+        names = sorted(PurePosixPath(file).name for file in paths)
         return [name for name in names if not name.startswith(".")]
 
     def remove(self, path: str) -> None:
@@ -256,18 +256,18 @@ def _reporting(path: str) -> Iterator[None]:
 def _reason(error: Exception) -> str:
     """Return why a store can't be used, and what to do about it where that is known."""
     # obstore adds pages of debugging after an empty line.
-    said = " ".join(str(error).partition("\n\n")[0].split())[:MAX_REASON]
-    if "169.254.169.254" in said:
+    text = " ".join(str(error).partition("\n\n")[0].split())[:MAX_REASON]
+    if "169.254.169.254" in text:
         return (
             "there are no credentials on this machine. Set AWS_ACCESS_KEY_ID and"
             " AWS_SECRET_ACCESS_KEY (docs/databases.md)."
         )
     # Of listings, obstore does not tell refusals by their type.
-    if any(status in said for status in ("401 Unauthorized", "403 Forbidden")):
-        return f"it refuses the credentials of this machine ({said})."
-    if "NoSuchBucket" in said:
+    if any(status in text for status in ("401 Unauthorized", "403 Forbidden")):
+        return f"it refuses the credentials of this machine ({text})."
+    if "NoSuchBucket" in text:
         return "there is no such bucket. Make it, or correct TRIL_ARTIFACTS_URL."
-    return f"{said or type(error).__name__}."
+    return f"{text or type(error).__name__}."
 
 
 DISK_FULL = "The disk is full. Free some space, then resume. Everything saved so far is kept."

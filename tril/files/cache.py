@@ -101,7 +101,7 @@ class Cache:
 
     def _files(self) -> list[tuple[float, int, Path]]:
         """Return (time of last use, size, path) of every file, temporary ones too."""
-        found = []
+        files = []
         with os.scandir(self._folder) as entries:
             for entry in entries:
                 try:
@@ -109,8 +109,8 @@ class Cache:
                 except FileNotFoundError:
                     continue
                 if entry.is_file(follow_symlinks=False):
-                    found.append((status.st_mtime, status.st_size, Path(entry.path)))
-        return found
+                    files.append((status.st_mtime, status.st_size, Path(entry.path)))
+        return files
 
     def _sweep(self) -> int:
         used = 0

@@ -71,15 +71,15 @@ def game_titles() -> dict[str, str]:
     """Return the titles of all games by name, in order of titles; makes none of them."""
     titles = {name: game_named(name).title for name in _GAMES}
     for source in _sources():
-        others = {source.name: source.title} if isinstance(source, Game) else source.titles()
-        titles = {**others, **titles}
+        source_titles = {source.name: source.title} if isinstance(source, Game) else source.titles()
+        titles = {**source_titles, **titles}
     return dict(sorted(titles.items(), key=lambda item: item[1].casefold()))
 
 
 def published() -> tuple[Behaviour, ...]:
     """Return the behaviours of the published work, which every data folder begins with."""
-    found: tuple[Behaviour, ...] = import_module(_PUBLISHED).BUILT_IN
-    return found
+    behaviours: tuple[Behaviour, ...] = import_module(_PUBLISHED).BUILT_IN
+    return behaviours
 
 
 def ready_made(game: Game, slug: str) -> Behaviour:
@@ -91,8 +91,8 @@ def ready_made(game: Game, slug: str) -> Behaviour:
     for behaviour in game.behaviours:
         if behaviour.slug == slug:
             return behaviour
-    known = ", ".join(behaviour.slug for behaviour in game.behaviours) or "none"
-    raise NotFound(f"{game.title} has no ready-made behaviour {slug!r}; it has {known}.")
+    slugs = ", ".join(behaviour.slug for behaviour in game.behaviours) or "none"
+    raise NotFound(f"{game.title} has no ready-made behaviour {slug!r}; it has {slugs}.")
 
 
 @cache

@@ -62,9 +62,9 @@ class End:
     """A way in which an episode ends.
 
     Attributes:
-        name: Its name in recordings and files, e.g. "landed".
-        kind: Its meaning outside of the game.
-        sentence: What happened, e.g. "the ball was missed".
+        name: Name in recordings and files, e.g. "landed".
+        kind: Meaning outside of the game.
+        sentence: Description for people, e.g. "the ball was missed".
     """
 
     name: str
@@ -77,7 +77,7 @@ class EndRule:
     """When the loss of a life or of the game ends an episode.
 
     Attributes:
-        name: Its name in recordings and files, e.g. "life".
+        name: Name in recordings and files, e.g. "life".
         title: Its name for people, e.g. "at the first life lost".
     """
 
@@ -146,9 +146,9 @@ class Controls:
     def _opposites(self) -> tuple[int, ...]:
         pairs = (("left", "right"), ("up", "down"))
         return tuple(
-            1 << self.buttons.index(one) | 1 << self.buttons.index(other)
-            for one, other in pairs
-            if one in self.buttons and other in self.buttons
+            1 << self.buttons.index(button) | 1 << self.buttons.index(opposite)
+            for button, opposite in pairs
+            if button in self.buttons and opposite in self.buttons
         )
 
     @cached_property
@@ -199,7 +199,7 @@ class Opening:
     They are part of the episode: they count towards its length, and a recording holds them.
 
     Attributes:
-        start: How the game begins.
+        start: Start of the game.
         actions: The action of each step.
     """
 
@@ -274,7 +274,7 @@ def spread_starts(starts: Sequence[Start], count: int) -> list[Start]:
 
 
 def evaluation_beginning(starts: Starts, number: int, openings: bool) -> Start | Opening:
-    """Return where the game of an evaluation start begins, with its opening or without.
+    """Return the beginning of an evaluation start's game, with its opening or without.
 
     Raises:
         UnknownStart: There is no such start number.
@@ -349,8 +349,8 @@ class Taken:
     """An item that was taken: a brick broken, a dot eaten.
 
     Attributes:
-        row: From 0 at the bottom of the game's grid of items.
-        column: From 0 at the left.
+        row: Row in the game's grid of items, from 0 at the bottom.
+        column: Column, from 0 at the left.
         frame: Frames of the episode executed by then, at least 1.
     """
 
@@ -411,7 +411,7 @@ class Readout(Protocol):
         """Read a frame that was executed; return the name of the end that it brought, if any."""
 
     def marks(self, console: Console) -> bytes:
-        """Return what the page's overlay needs of the current frame; `Overlay.marks_bytes` long."""
+        """Return the overlay data of the current frame; `Overlay.marks_bytes` long."""
 
     def save(self) -> JsonObject:
         """Return the state, besides items and counters."""
@@ -425,8 +425,8 @@ class ScreenSpec:
     """The screen of a game.
 
     Attributes:
-        height: In pixels.
-        width: In pixels.
+        height: Height in pixels.
+        width: Width in pixels.
         palette: Colours by value, uint8 (256, 3) RGB; None where screens are RGB themselves.
         grayscale: Grays by palette value, uint8 (256,); None where screens are RGB themselves.
         hidden: Areas that learning does not see: the score, the lives.
@@ -455,10 +455,10 @@ class Track:
     """The place of a thing through a recording, in pixels of the screen.
 
     Attributes:
-        lefts: Its left edge at the start and after every frame.
-        top: Its top edge.
-        width: Its width.
-        height: Its height.
+        lefts: Left edge at the start and after every frame.
+        top: Top edge.
+        width: Width.
+        height: Height.
     """
 
     lefts: tuple[int, ...]
@@ -473,7 +473,7 @@ class Overlay:
 
     Attributes:
         painter: Name of the page's painter.
-        geometry: Its constants, in pixels.
+        geometry: Constants of the overlay, in pixels.
         marks_bytes: Bytes of `Readout.marks` for each frame.
     """
 
@@ -487,13 +487,13 @@ class Game:
     """A game that can be taught.
 
     Attributes:
-        name: Its name in rows, files and URLs, e.g. "breakout" or "gym:CartPole-v1".
-        title: Its name for people.
-        version: What a replay depends on: the MD5 of the ROM, or the package's version.
-        clock: Its time.
-        controls: Its actions and buttons.
-        starts: How its episodes begin.
-        screen: Its screen.
+        name: Name in rows, files and URLs, e.g. "breakout" or "gym:CartPole-v1".
+        title: Name for people.
+        version: Version that replays depend on: the MD5 of the ROM, or the package's version.
+        clock: Frame rate and step length.
+        controls: Actions and buttons.
+        starts: Starts of episodes.
+        screen: Screen of the game.
         ends: The ways in which its episodes end.
         end_rules: When a loss ends an episode; the first is the default.
         new_console: Makes a console; `make_console` calls it.
@@ -504,7 +504,7 @@ class Game:
         items: The countable things in it, if any.
         counters: Names of what is counted, with what it is, e.g. {"shots": "missiles fired"}.
         things: Things whose place its memory tells, by name.
-        tallies: What bytes of its memory count, by name.
+        tallies: Counts read from bytes of memory, by name.
         overlay: What the page may draw over its screens, if anything.
         memory_names: Names of memory addresses.
         ghost: Reads the player's track off a recording's memory and start; None if it can't be.
@@ -571,8 +571,8 @@ class Game:
         for end in self.ends:
             if end.name == name:
                 return end
-        known = ", ".join(end.name for end in self.ends)
-        raise Invalid(f"{self.title} has no end {name!r}; it has {known}.")
+        names = ", ".join(end.name for end in self.ends)
+        raise Invalid(f"{self.title} has no end {name!r}; it has {names}.")
 
     def is_death(self, end: str | None) -> bool:
         """Return whether an end, by its name, is the player's death."""
@@ -616,9 +616,9 @@ class Game:
         Raises:
             Invalid: There is none of this name.
         """
-        known = [rule.name for rule in self.end_rules]
-        if name not in known:
-            raise Invalid(f"{self.title} has no end rule {name!r}; it has {', '.join(known)}.")
+        names = [rule.name for rule in self.end_rules]
+        if name not in names:
+            raise Invalid(f"{self.title} has no end rule {name!r}; it has {', '.join(names)}.")
         return name
 
 

@@ -19,11 +19,11 @@ class Behaviour:
     Attributes:
         slug: Short name used in URLs and on the command line, e.g. ``column-5``.
         name: Name shown to people, e.g. "Column 5".
-        description: What a perfect game looks like, in one or two sentences.
+        description: Description of a perfect game, in one or two sentences.
         game: Name of its game.
         target: Items to take, in order if ``ordered``; None if items do not describe it.
         ordered: Whether their order matters.
-        settings: What it sets of its game.
+        settings: Settings of the game.
         measures: What of a game tells in numbers how well it shows the behaviour.
     """
 
@@ -75,8 +75,8 @@ def score(behaviour: Behaviour, taken: tuple[Cell, ...]) -> Score | None:
     """Compare items, in order of time, with a behaviour's target; None without a target."""
     if behaviour.target is None:
         return None
-    wanted = set(behaviour.target)
-    on_target = [cell for cell in taken if cell in wanted]
+    target = set(behaviour.target)
+    on_target = [cell for cell in taken if cell in target]
     errors = 0
     if behaviour.ordered:
         position = {cell: index for index, cell in enumerate(behaviour.target)}

@@ -303,7 +303,7 @@ class Counted(Measure):
     """What the game's readout or a byte of its memory counts, such as missiles fired.
 
     Attributes:
-        counter: Its name.
+        counter: Name of the counter.
     """
 
     counter: str
@@ -342,23 +342,23 @@ def measure_from_json(data: Any) -> Measure:
     kinds = ", ".join(KINDS)
     if not isinstance(data, dict):
         raise Invalid(f"Expected a measure as an object with its kind ({kinds}), got {data!r}.")
-    given = dict(data)
-    kind = KINDS.get(str(given.pop("kind", None)))
+    values = dict(data)
+    kind = KINDS.get(str(values.pop("kind", None)))
     if kind is None:
         raise Invalid(f"Expected a measure of one of the kinds {kinds}, got {data.get('kind')!r}.")
-    known = {field.name for field in fields(kind)}
-    if unknown := sorted(set(given) - known):
+    names = {field.name for field in fields(kind)}
+    if unknown := sorted(set(values) - names):
         raise Invalid(
-            f"A measure of the kind {kind.kind!r} has {', '.join(sorted(known))}, but no"
+            f"A measure of the kind {kind.kind!r} has {', '.join(sorted(names))}, but no"
             f" {unknown[0]!r}."
         )
     try:
-        return kind(**given)
+        return kind(**values)
     except TypeError:
-        required = sorted(known - {"at_least", "at_most"})
+        required = sorted(names - {"at_least", "at_most"})
         raise Invalid(
             f"A measure of the kind {kind.kind!r} needs {', '.join(required)}; got"
-            f" {json.dumps(given)}."
+            f" {json.dumps(values)}."
         ) from None
 
 

@@ -59,8 +59,8 @@ class Measured:
 
     Attributes:
         measure: The measure.
-        value: In its unit; None if there was nothing to measure, or it is not known yet.
-        is_known: Whether it has been measured.
+        value: Value in the measure's unit; None if nothing could be measured, or not yet.
+        is_known: Whether the value has been measured.
     """
 
     measure: Measure
@@ -83,15 +83,17 @@ def measure(game: Game, measures: Iterable[Measure], played: Played) -> tuple[Me
 
     Args:
         game: The game.
-        measures: What to measure; `check_measures` has accepted them.
+        measures: Measures to take; `check_measures` has accepted them.
         played: A replay of the game.
     """
-    return tuple(Measured(one, _value(game, one, played)) for one in measures)
+    return tuple(Measured(measure, _value(game, measure, played)) for measure in measures)
 
 
 def measured_before(measures: Iterable[Measure], values: Values) -> tuple[Measured, ...]:
     """Return stored values of measures; those that are not stored are not known."""
-    return tuple(Measured(one, values.get(one.key), one.key in values) for one in measures)
+    return tuple(
+        Measured(measure, values.get(measure.key), measure.key in values) for measure in measures
+    )
 
 
 @dataclass(frozen=True)
@@ -109,23 +111,23 @@ class MeasureMean:
     n_met: int | None
 
 
-def mean_of(games: Iterable[Measured]) -> MeasureMean | None:
+def mean_of(measurements: Iterable[Measured]) -> MeasureMean | None:
     """Return the mean of a measure over games; None if none has a value."""
-    with_value = [one for one in games if one.value is not None]
+    with_value = [measured for measured in measurements if measured.value is not None]
     if not with_value:
         return None
-    met = [one.met for one in with_value]
+    met = [measured.met for measured in with_value]
     return MeasureMean(
         n=len(with_value),
-        mean=float(np.mean([one.value for one in with_value])),
+        mean=float(np.mean([measured.value for measured in with_value])),
         n_met=None if None in met else sum(map(bool, met)),
     )
 
 
-def reads_memory(game: Game, one: Measure) -> bool:
+def reads_memory(game: Game, measure: Measure) -> bool:
     """Return whether a measure needs the memory of every frame."""
-    return isinstance(one, InRegion | Near) or (
-        isinstance(one, Counted) and one.counter in game.tallies
+    return isinstance(measure, InRegion | Near) or (
+        isinstance(measure, Counted) and measure.counter in game.tallies
     )
 
 
@@ -135,113 +137,120 @@ def check_measures(game: Game, measures: Iterable[Measure]) -> None:
     Raises:
         Invalid: It has no such thing, item, button or counter; says which it has.
     """
-    for one in measures:
-        if isinstance(one, InRegion | Near):
-            for thing in (one.thing, one.other) if isinstance(one, Near) else (one.thing,):
+    for measure in measures:
+        if isinstance(measure, InRegion | Near):
+            for thing in (
+                (measure.thing, measure.other) if isinstance(measure, Near) else (measure.thing,)
+            ):
                 _check_known(game, "thing whose place is known", thing, game.things)
-        if isinstance(one, InRegion) and (
-            one.area.right > game.screen.width or one.area.bottom > game.screen.height
+        if isinstance(measure, InRegion) and (
+            measure.area.right > game.screen.width or measure.area.bottom > game.screen.height
         ):
             raise Invalid(
                 f"Expected an area within the screen of {game.screen.width} x"
-                f" {game.screen.height} pixels, got one to {one.area.right}, {one.area.bottom}."
+                f" {game.screen.height} pixels, got one to {measure.area.right},"
+                f" {measure.area.bottom}."
             )
-        if isinstance(one, ItemsTaken | ItemsInOrder):
-            _check_cells(game, one)
-        if isinstance(one, ActionRate) and one.button is not None:
-            _check_known(game, "button", one.button, game.controls.buttons)
-        if isinstance(one, ActionRate) and one.action is not None:
-            _check_known(game, "action", one.action, game.controls.actions)
-        if isinstance(one, Counted):
-            _check_known(game, "counter", one.counter, (*game.counters, *game.tallies))
+        if isinstance(measure, ItemsTaken | ItemsInOrder):
+            _check_cells(game, measure)
+        if isinstance(measure, ActionRate) and measure.button is not None:
+            _check_known(game, "button", measure.button, game.controls.buttons)
+        if isinstance(measure, ActionRate) and measure.action is not None:
+            _check_known(game, "action", measure.action, game.controls.actions)
+        if isinstance(measure, Counted):
+            _check_known(game, "counter", measure.counter, (*game.counters, *game.tallies))
 
 
 def measurable(game: Game, measures: Iterable[Measure]) -> tuple[Measure, ...]:
     """Return those measures that a game can be measured by, as versions of it may differ."""
     accepted = []
-    for one in measures:
+    for measure in measures:
         with suppress(Invalid):
-            check_measures(game, [one])
-            accepted.append(one)
+            check_measures(game, [measure])
+            accepted.append(measure)
     return tuple(accepted)
 
 
-def _check_known(game: Game, what: str, name: str, known: Iterable[str]) -> None:
-    names = tuple(known)
+def _check_known(game: Game, kind: str, name: str, known_names: Iterable[str]) -> None:
+    names = tuple(known_names)
     if name not in names:
         has = f"it has {', '.join(names)}" if names else "it has none"
-        raise Invalid(f"{game.title} has no {what} {name!r}; {has}.")
+        raise Invalid(f"{game.title} has no {kind} {name!r}; {has}.")
 
 
-def _check_cells(game: Game, one: ItemsTaken | ItemsInOrder) -> None:
+def _check_cells(game: Game, measure: ItemsTaken | ItemsInOrder) -> None:
     if game.items is None:
         raise Invalid(f"{game.title} has nothing that can be counted.")
-    for cell in _cells(one):
+    for cell in _cells(measure):
         if cell not in game.items:
             raise Invalid(f"{game.title} has no {game.items.singular} in {cell_name(cell)}.")
 
 
-def _cells(one: ItemsTaken | ItemsInOrder) -> tuple[Cell, ...]:
-    if isinstance(one, ItemsTaken):
-        return one.cells or ()
-    return tuple(cell for groups in one.sequences for group in groups for cell in group)
+def _cells(measure: ItemsTaken | ItemsInOrder) -> tuple[Cell, ...]:
+    if isinstance(measure, ItemsTaken):
+        return measure.cells or ()
+    return tuple(cell for groups in measure.sequences for group in groups for cell in group)
 
 
-def _value(game: Game, one: Measure, played: Played) -> float | None:
-    if isinstance(one, ItemsTaken):
-        return float(sum(one.cells is None or item.cell in one.cells for item in played.taken))
-    if isinstance(one, ItemsInOrder):
-        return _share_in_order(one, [item.cell for item in played.taken])
-    if isinstance(one, InRegion):
-        return _share_in_region(one, game.things[one.thing].places(played.memory))
-    if isinstance(one, Near):
-        places = [game.things[name].places(played.memory) for name in (one.thing, one.other)]
-        return _share_near(one, places[0] - places[1])
-    if isinstance(one, ActionRate):
-        return _rate(game, one, played.actions)
-    if isinstance(one, GameScore):
+def _value(game: Game, measure: Measure, played: Played) -> float | None:
+    if isinstance(measure, ItemsTaken):
+        return float(
+            sum(measure.cells is None or item.cell in measure.cells for item in played.taken)
+        )
+    if isinstance(measure, ItemsInOrder):
+        return _share_in_order(measure, [item.cell for item in played.taken])
+    if isinstance(measure, InRegion):
+        return _share_in_region(measure, game.things[measure.thing].places(played.memory))
+    if isinstance(measure, Near):
+        places = [
+            game.things[name].places(played.memory) for name in (measure.thing, measure.other)
+        ]
+        return _share_near(measure, places[0] - places[1])
+    if isinstance(measure, ActionRate):
+        return _rate(game, measure, played.actions)
+    if isinstance(measure, GameScore):
         return played.score
-    if isinstance(one, AliveAtEnd):
+    if isinstance(measure, AliveAtEnd):
         lost = (EndKind.DEATH, EndKind.FAILED)
         return float(played.end is None or game.end(played.end).kind not in lost)
-    if isinstance(one, Length):
+    if isinstance(measure, Length):
         return len(played.actions) / game.clock.frame_rate_hz
-    if isinstance(one, Counted):
-        tally = game.tallies.get(one.counter)
+    if isinstance(measure, Counted):
+        tally = game.tallies.get(measure.counter)
         return float(
-            played.counters.get(one.counter, 0) if tally is None else tally.count(played.memory)
+            played.counters.get(measure.counter, 0) if tally is None else tally.count(played.memory)
         )
-    raise TypeError(f"Expected a measure of a known kind, got {one!r}.")
+    raise TypeError(f"Expected a measure of a known kind, got {measure!r}.")
 
 
-def _share_in_order(one: ItemsInOrder, taken: list[Cell]) -> float | None:
+def _share_in_order(measure: ItemsInOrder, taken: list[Cell]) -> float | None:
     turns = {
         cell: (number, place)
-        for number, groups in enumerate(one.sequences)
+        for number, groups in enumerate(measure.sequences)
         for place, group in enumerate(groups)
         for cell in group
     }
-    left = [[set(group) for group in groups] for groups in one.sequences]
+    pending = [[set(group) for group in groups] for groups in measure.sequences]
     in_order = []
     for cell in taken:
         if cell in turns:
             number, place = turns[cell]
-            in_order.append(not any(left[number][:place]))
-            left[number][place].discard(cell)
+            in_order.append(not any(pending[number][:place]))
+            pending[number][place].discard(cell)
     return float(np.mean(in_order)) if in_order else None
 
 
-def _share_in_region(one: InRegion, places: Places) -> float | None:
+def _share_in_region(measure: InRegion, places: Places) -> float | None:
     x, y = places.T
-    inside = (one.area.left <= x) & (x < one.area.right)
-    inside &= (one.area.top <= y) & (y < one.area.bottom)
+    inside = (measure.area.left <= x) & (x < measure.area.right)
+    inside &= (measure.area.top <= y) & (y < measure.area.bottom)
     return _share(inside, places)
 
 
-def _share_near(one: Near, apart: Places) -> float | None:
+def _share_near(measure: Near, apart: Places) -> float | None:
     x, y = apart.T
-    distance = {Axes.X: np.abs(x), Axes.Y: np.abs(y), Axes.BOTH: np.hypot(x, y)}[one.axes]
-    return _share(distance <= one.distance_px, apart)
+    distance = {Axes.X: np.abs(x), Axes.Y: np.abs(y), Axes.BOTH: np.hypot(x, y)}[measure.axes]
+    return _share(distance <= measure.distance_px, apart)
 
 
 def _share(holds: npt.NDArray[np.bool_], places: Places) -> float | None:
@@ -250,17 +259,17 @@ def _share(holds: npt.NDArray[np.bool_], places: Places) -> float | None:
     return float(holds[is_there].mean()) if is_there.any() else None
 
 
-def _rate(game: Game, one: ActionRate, actions: bytes) -> float | None:
+def _rate(game: Game, measure: ActionRate, actions: bytes) -> float | None:
     if not actions:
         return None
     controls = game.controls
-    if one.button is not None:
-        bit = 1 << controls.buttons.index(one.button)
+    if measure.button is not None:
+        bit = 1 << controls.buttons.index(measure.button)
         counts = [bool(held & bit) for held in controls.held]
     else:
-        counts = [name == one.action for name in controls.actions]
+        counts = [name == measure.action for name in controls.actions]
     executed = np.array(counts)[np.frombuffer(actions, np.uint8)]
-    if one.per is Per.TIME:
+    if measure.per is Per.TIME:
         return float(executed.mean())
     begun = executed & ~np.concatenate(([False], executed[:-1]))
     return float(begun.sum()) * game.clock.frame_rate_hz / len(actions)

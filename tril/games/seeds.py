@@ -25,7 +25,7 @@ class SeedStart(Start):
     """How a game begins.
 
     Attributes:
-        seed: Of the game's draws, 0 to 2**31 - 1.
+        seed: Seed of the game's draws, 0 to 2**31 - 1.
     """
 
     seed: int

@@ -73,7 +73,7 @@ class GameSettings:
             ) from None
 
     def to_json(self) -> dict[str, Any]:
-        """Return what is set; areas as [left, top, right, bottom]."""
+        """Return the values set; areas as [left, top, right, bottom]."""
         data: dict[str, Any] = {}
         if self.hidden is not None:
             data["hidden"] = [[a.left, a.top, a.right, a.bottom] for a in self.hidden]

@@ -62,9 +62,9 @@ class Thing:
     """A thing with a place.
 
     Attributes:
-        title: Its name for people, e.g. "ball".
-        x: From the left edge of the screen to its centre.
-        y: From the top edge of the screen to its centre.
+        title: Name for people, e.g. "ball".
+        x: Distance of its centre from the left edge of the screen.
+        y: Distance of its centre from the top edge of the screen.
         absent: When it is not there; any of these is enough.
     """
 
@@ -87,7 +87,7 @@ class Tally:
     """A byte of the memory that counts something; what is taken off it does not count.
 
     Attributes:
-        title: What it counts, e.g. "divers picked up".
+        title: Name for people, e.g. "divers picked up".
         byte: Address of the byte.
     """
 

@@ -49,7 +49,7 @@ class Judgement:
 
     @classmethod
     def of(cls, values: Values) -> Judgement:
-        """Return what the process answered, float32 (2, N), NaN where nothing is known."""
+        """Parse a response, float32 (2, N), NaN where nothing is known."""
         return cls(values[0], None if np.isnan(values[1]).any() else values[1])
 
 
@@ -77,7 +77,7 @@ class AttentionMap:
 
     @classmethod
     def of(cls, header: Mapping[str, Any], values: bytes | bytearray) -> AttentionMap:
-        """Return what the process answered: the header, and float32 (84, 84)."""
+        """Parse a response: the header, and float32 (84, 84)."""
         action = header.get("action")
         return cls(
             np.frombuffer(values, np.float32).reshape(SIZE, SIZE),
@@ -128,8 +128,8 @@ class InferenceClient:
             Unavailable: The process does not reply.
         """
         values = np.frombuffer(self._request({"op": "scale", "run_id": run_id}), np.float32)
-        zero, one = values.tolist()
-        return zero, one
+        offset, scale = values.tolist()
+        return offset, scale
 
     def attention(
         self,
@@ -145,8 +145,8 @@ class InferenceClient:
         Args:
             run_id: The run.
             observation: uint8 (4, 84, 84).
-            network: Whose.
-            method: How.
+            network: Network to explain.
+            method: Method of the map.
             is_given_up: Whether nobody waits for the map any more; the process then drops it.
             background: Gray of the game's background, 0 to 255.
 

@@ -96,7 +96,7 @@ class TcpEndpoint:
         """Return a connection on which both ends have proven that they have the key.
 
         Args:
-            timeout_s: How long its operations may take from then on.
+            timeout_s: Timeout of later operations on the connection.
 
         Raises:
             OSError: The process can't be reached.
@@ -106,12 +106,12 @@ class TcpEndpoint:
         connection = socket.create_connection(destination, CONNECT_TIMEOUT_S)
         try:
             tune(connection)
-            shown = b""
+            certificate = b""
             if self.address.is_encrypted:
                 connection = _client_context().wrap_socket(connection)
-                shown = shown_certificate_hash(connection)
+                certificate = shown_certificate_hash(connection)
             response = self._respond(
-                receive_exactly(connection, GREETING_BYTES, CONNECT_TIMEOUT_S), shown
+                receive_exactly(connection, GREETING_BYTES, CONNECT_TIMEOUT_S), certificate
             )
             connection.sendall(response.message)
             self._check(response, receive_exactly(connection, PROOF_BYTES, CONNECT_TIMEOUT_S))
@@ -130,8 +130,8 @@ class TcpEndpoint:
             try:
                 tune(writer.get_extra_info("socket"))
                 layer = writer.get_extra_info("ssl_object")
-                shown = b"" if layer is None else shown_certificate_hash(layer)
-                response = self._respond(await reader.readexactly(GREETING_BYTES), shown)
+                certificate = b"" if layer is None else shown_certificate_hash(layer)
+                response = self._respond(await reader.readexactly(GREETING_BYTES), certificate)
                 writer.write(response.message)
                 self._check(response, await reader.readexactly(PROOF_BYTES))
             except BaseException:
@@ -151,9 +151,9 @@ class TcpEndpoint:
             " asked. Start `tril inference` there; try again in a moment."
         )
 
-    def _respond(self, greeting: bytes | bytearray, shown: bytes) -> Response:
+    def _respond(self, greeting: bytes | bytearray, certificate: bytes) -> Response:
         try:
-            return Response(self.key, greeting, shown)
+            return Response(self.key, greeting, certificate)
         except NotProven as problem:
             raise self._other(problem) from problem
 
@@ -174,7 +174,7 @@ Endpoint = LocalEndpoint | TcpEndpoint
 
 
 def endpoint_of(settings: Settings) -> Endpoint:
-    """Return where the inference process answers.
+    """Return the address of the inference process.
 
     Raises:
         Invalid: An address has no key or too short a one, or can be read by others on the way;

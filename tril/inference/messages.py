@@ -110,8 +110,8 @@ def receive_exactly(
 
     Args:
         connection: The connection.
-        n_bytes: How many.
-        within_s: How long all of them may take; None for as long as each part may.
+        n_bytes: Number of bytes.
+        within_s: Timeout for all bytes; None for the timeout of each part only.
 
     Raises:
         Disconnected: The other end closed the connection before.
@@ -119,12 +119,12 @@ def receive_exactly(
     """
     deadline = None if within_s is None else time.monotonic() + within_s
     content = bytearray(n_bytes)
-    view, got = memoryview(content), 0
-    while got < n_bytes:
+    view, n_received = memoryview(content), 0
+    while n_received < n_bytes:
         if deadline is not None:
             connection.settimeout(max(0.001, deadline - time.monotonic()))
-        count = connection.recv_into(view[got:])
+        count = connection.recv_into(view[n_received:])
         if count == 0:
             raise Disconnected("The connection was closed.")
-        got += count
+        n_received += count
     return content

@@ -36,7 +36,7 @@ class Challenge:
         certificate_hash: The hash of its certificate; empty without TLS.
 
     Attributes:
-        greeting: What it sends first.
+        greeting: Greeting that the process sends first.
     """
 
     def __init__(self, key: bytes, certificate_hash: bytes) -> None:
@@ -46,15 +46,15 @@ class Challenge:
         self.greeting = GREETING + self._nonce
 
     def answer(self, response: bytes | bytearray) -> bytes:
-        """Return what a client's response of RESPONSE_BYTES is answered.
+        """Check a client's response of RESPONSE_BYTES and return the answer to it.
 
         Raises:
             NotProven: The client has another key.
         """
-        both = self._nonce + response[:NONCE_BYTES] + self._certificate_hash
-        if not hmac.compare_digest(response[NONCE_BYTES:], _proof(self._key, b"client", both)):
+        message = self._nonce + response[:NONCE_BYTES] + self._certificate_hash
+        if not hmac.compare_digest(response[NONCE_BYTES:], _proof(self._key, b"client", message)):
             raise NotProven("It has another key.")
-        return _proof(self._key, b"process", both)
+        return _proof(self._key, b"process", message)
 
 
 class Response:
@@ -62,11 +62,11 @@ class Response:
 
     Args:
         key: The shared key.
-        greeting: What the process sent, GREETING_BYTES.
+        greeting: Greeting of the process, GREETING_BYTES.
         certificate_hash: The hash of the certificate that it showed; empty without TLS.
 
     Attributes:
-        message: What the client sends.
+        message: Message that the client sends.
 
     Raises:
         NotProven: The other end is no inference process.
@@ -76,9 +76,9 @@ class Response:
         if not greeting.startswith(GREETING):
             raise NotProven("is no inference process of this version")
         nonce = secrets.token_bytes(NONCE_BYTES)
-        both = bytes(greeting[len(GREETING) :]) + nonce + certificate_hash
-        self.message = nonce + _proof(key, b"client", both)
-        self._expected = _proof(key, b"process", both)
+        signed = bytes(greeting[len(GREETING) :]) + nonce + certificate_hash
+        self.message = nonce + _proof(key, b"client", signed)
+        self._expected = _proof(key, b"process", signed)
 
     def check(self, answer: bytes | bytearray) -> None:
         """Raise NotProven unless the process's answer of PROOF_BYTES shows that it has the key."""
@@ -89,17 +89,17 @@ class Response:
 def certificate_hash(certificate: Path) -> bytes:
     """Return the hash of the first certificate in a PEM file, which is the one that is shown."""
     text = certificate.read_text(encoding="utf-8", errors="replace")
-    found = re.search(r"-----BEGIN CERTIFICATE-----.*?-----END CERTIFICATE-----", text, re.DOTALL)
-    assert found is not None, "a file without certificates is refused before"
-    return sha256(ssl.PEM_cert_to_DER_cert(found[0])).digest()
+    match = re.search(r"-----BEGIN CERTIFICATE-----.*?-----END CERTIFICATE-----", text, re.DOTALL)
+    assert match is not None, "a file without certificates is refused before"
+    return sha256(ssl.PEM_cert_to_DER_cert(match[0])).digest()
 
 
 def shown_certificate_hash(connection: ssl.SSLSocket | ssl.SSLObject) -> bytes:
     """Return the hash of the certificate that the other end of a connection showed."""
-    shown = connection.getpeercert(binary_form=True)
-    assert shown is not None, "TLS servers show a certificate"
-    return sha256(shown).digest()
+    certificate = connection.getpeercert(binary_form=True)
+    assert certificate is not None, "TLS servers show a certificate"
+    return sha256(certificate).digest()
 
 
-def _proof(key: bytes, side: bytes, both: bytes) -> bytes:
-    return hmac.digest(key, b"tril inference " + side + b"\0" + both, "sha256")
+def _proof(key: bytes, side: bytes, message: bytes) -> bytes:
+    return hmac.digest(key, b"tril inference " + side + b"\0" + message, "sha256")

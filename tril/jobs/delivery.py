@@ -115,12 +115,12 @@ class Jobs:
         workers that are gone by watching their runs.
         """
         with self._database.reading() as session:
-            candidates = [row.id for row in runs.not_over(session)]
+            candidates = [row.id for row in runs.unfinished(session)]
         # The queue is read before the rows: a worker ends its row first, so a job that was over
         # before a row was read as unfinished really is a job that ended without ending its row.
         jobs = self._jobs(candidates)
         with self._database.reading() as session:
-            rows = [row for row in runs.not_over(session) if row.id in set(candidates)]
+            rows = [row for row in runs.unfinished(session) if row.id in set(candidates)]
         self._watched = {row.id: self._watch(row, jobs.get(row.id)) for row in rows}
         for row in rows:
             try:
@@ -181,7 +181,7 @@ class Jobs:
                 log.info("Run %s waits without a job; it gets one.", row.id)
                 self._deliver(row.id, RunDevice(row.device))
             elif job.status == "PENDING" and self._is_lost(row, job.executor_id):
-                self._deliver_again(row, job)
+                self._redeliver(row, job)
         elif job is not None and job.status == GIVEN_UP:
             with self._database.writing() as session:
                 leases.fail_undeliverable(session, row.id, GIVEN_UP_MESSAGE)
@@ -189,9 +189,9 @@ class Jobs:
             with self._database.writing() as session:
                 is_queued = leases.revoke(session, row.id, row.epoch)
             if is_queued:
-                self._deliver_again(row, job)
+                self._redeliver(row, job)
 
-    def _deliver_again(self, row: RunRow, job: WorkflowStatus | None) -> None:
+    def _redeliver(self, row: RunRow, job: WorkflowStatus | None) -> None:
         log.warning(
             "Nothing was heard of run %s (%s) for %.0f s; another worker may go on with it.",
             row.id,
@@ -226,7 +226,7 @@ class Jobs:
     def _jobs(self, run_ids: list[str]) -> dict[str, WorkflowStatus]:
         if not run_ids:
             return {}
-        found = self._client.list_workflows(
+        workflows = self._client.list_workflows(
             workflow_ids=run_ids, load_input=False, load_output=False
         )
-        return {job.workflow_id: job for job in found}
+        return {job.workflow_id: job for job in workflows}

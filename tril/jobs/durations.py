@@ -57,7 +57,7 @@ def _imitator_seconds(recipe: Recipe, steps: int) -> float:
     judging_s = recipe.policy.snapshot_episodes * MEAN_STEPS / EVALUATION_STEPS_PER_S
     if recipe.method != "dagger":
         due = recipe.policy.snapshot_steps
-        snapshots = 1 + sum(at <= steps for at in due) + bool(due and recipe.policy.warm_start)
+        snapshots = 1 + sum(step <= steps for step in due) + bool(due and recipe.policy.warm_start)
         rate = IMITATOR_STEPS_PER_S[recipe.policy.network]
         if recipe.policy.freeze_convolutions:
             rate = max(rate, FROZEN_STEPS_PER_S)

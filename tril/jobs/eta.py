@@ -70,7 +70,7 @@ def _stage_seconds(recipe: Recipe, steps: int, last: RunRow | None) -> dict[Stag
 def _slowness(
     took_s: float, expected_s: float, prior: float = 1.0, prior_s: float = NEGLIGIBLE_S
 ) -> float:
-    """Return how much longer something took than expected, about ``prior`` if it was short.
+    """Return the ratio of actual to expected time, about ``prior`` if it was short.
 
     Args:
         took_s: Seconds that it took.
@@ -86,7 +86,7 @@ class RunEta:
     """What the stages of one run are expected to take: how much is done and what remains.
 
     Attributes:
-        seconds: By stage, in order.
+        seconds: Expected seconds by stage, in order.
     """
 
     seconds: Mapping[str, float]
@@ -104,15 +104,15 @@ class RunEta:
         return cls({stage: seconds[stage] for stage in stages_of(run.example)})
 
     def progress(self, finished: Collection[str], stage: str, done: float) -> float:
-        """Return how much of the run is done, 0..1, weighting its stages by the time they take.
+        """Return the finished share of the run, 0..1, weighting its stages by their duration.
 
         Args:
             finished: The finished stages.
             stage: The stage at work.
             done: Share of it that is done, 0..1.
         """
-        left = sum(self._left(finished, stage, done).values())
-        return 1.0 - left / sum(self.seconds.values())
+        remaining = sum(self._left(finished, stage, done).values())
+        return 1.0 - remaining / sum(self.seconds.values())
 
     def remaining_s(
         self,
@@ -133,16 +133,16 @@ class RunEta:
             gained: Share of it whose duration is known; 0 if too little of it is done to tell.
             took_s: Seconds that this share took.
         """
-        known = [name for name in finished if name in self.seconds]
-        expected = sum(self.seconds[name] for name in known)
-        took = sum(finished[name] for name in known)
+        known_stages = [name for name in finished if name in self.seconds]
+        expected = sum(self.seconds[name] for name in known_stages)
+        took = sum(finished[name] for name in known_stages)
         gained_s = gained * self.seconds.get(stage, 0.0)
         prior_s = max(NEGLIGIBLE_S, PRIOR_SHARE * sum(self.seconds.values()))
         before = _bounded(_slowness(took, expected, prior_s=prior_s))
-        own = _slowness(took_s, gained_s, prior=before)
+        stage_slowness = _slowness(took_s, gained_s, prior=before)
         pace = _bounded(_slowness(took + took_s, expected + gained_s, prior_s=prior_s))
-        left = self._left(finished, stage, done)
-        return own * left.pop(stage, 0.0) + pace * sum(left.values())
+        remaining = self._left(finished, stage, done)
+        return stage_slowness * remaining.pop(stage, 0.0) + pace * sum(remaining.values())
 
     def _left(self, finished: Collection[str], stage: str, done: float) -> dict[str, float]:
         """Return the seconds expected of what is left of each stage that is not finished."""
@@ -158,7 +158,7 @@ def _bounded(slowness: float) -> float:
 
 
 def overall_progress(session: Session, run: RunRow) -> float:
-    """Return how much of a run is done, 0..1, by the estimate that tells what remains of it."""
+    """Return the finished share of a run, 0..1, by the estimate of its remaining time."""
     if run.status == RunStatus.DONE:
         return 1.0
     if not run.finished_stages and not run.stage_done:

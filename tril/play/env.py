@@ -95,15 +95,17 @@ class TrilEnv(gymnasium.Env[Observation, np.int64]):
             ValueError: an option is unknown.
         """
         super().reset(seed=seed)
-        given = dict(options or {})
-        if "target" in given:
-            self._target = self._cells(given.pop("target"))
-        if "start" in given:
-            self._start = given.pop("start")
-        if "end_rule" in given:
-            self._agent.end_rule = self._game.check_end_rule(given.pop("end_rule"))
-        if given:
-            raise ValueError(f"Expected the options target, start and end_rule, got {list(given)}.")
+        values = dict(options or {})
+        if "target" in values:
+            self._target = self._cells(values.pop("target"))
+        if "start" in values:
+            self._start = values.pop("start")
+        if "end_rule" in values:
+            self._agent.end_rule = self._game.check_end_rule(values.pop("end_rule"))
+        if values:
+            raise ValueError(
+                f"Expected the options target, start and end_rule, got {list(values)}."
+            )
         self._agent.sticky = StickyActions(self._sticky_action_probability, self.np_random)
         self._agent.reset(self._start or draw_start(self._game.starts, self.np_random))
         return self._agent.observation, self._info(first_frame=0)
@@ -132,7 +134,7 @@ class TrilEnv(gymnasium.Env[Observation, np.int64]):
 
     def _info(self, first_frame: int) -> dict[str, Any]:
         episode = self._agent.episode
-        taken = [one.cell for one in episode.taken]
+        taken = [item.cell for item in episode.taken]
         info: dict[str, Any] = {
             "taken": taken,
             "frame": episode.frame,

@@ -70,7 +70,7 @@ _NEWEST = (STACK - 1) * SIZE * SIZE
 
 
 def visible_pixels(screen: ScreenSpec) -> npt.NDArray[np.bool_]:
-    """Return which pixels of an observation learning sees, bool (84, 84).
+    """Return the pixels of an observation that learning sees, bool (84, 84).
 
     A pixel is hidden if any part of its area on the screen is.
     """
@@ -250,8 +250,8 @@ class _TiledViews:
         self._differed_before = np.zeros(self._second.shape, np.bool_)
         games = np.arange(n_games)[:, None, None]
         self._tile_of_word = (tile_of_word + games[:, 0] * self._n_tiles).reshape(-1)
-        both = np.concatenate((tile_words, tile_words + _FRAME_WORDS), axis=1)
-        self._tile_words = (both + games * 2 * _FRAME_WORDS).reshape(-1, both.shape[1])
+        words = np.concatenate((tile_words, tile_words + _FRAME_WORDS), axis=1)
+        self._tile_words = (words + games * 2 * _FRAME_WORDS).reshape(-1, words.shape[1])
         tile_pixels = pixels + games * _STACK_PIXELS + _NEWEST
         self._tile_pixels = tile_pixels.reshape(-1, pixels.shape[1])
         self._grays = game.screen.grayscale

@@ -22,7 +22,7 @@ def pack_game(state: AgentGameState) -> bytes:
     episode, view = state.episode, state.view
     small = {
         "start": episode.start.to_json(),
-        "taken": [[taken.row, taken.column, taken.frame] for taken in episode.taken],
+        "taken": [[item.row, item.column, item.frame] for item in episode.taken],
         "end": episode.end,
         "counters": episode.counters,
         "readout": episode.readout,
@@ -54,12 +54,12 @@ def unpack_game(data: bytes, console: Console) -> AgentGameState:
     text, actions, machine, observation, first = parts
     small = json.loads(text)
     if version == _FIRST_VERSION:
-        small = _of_first_version(small)
+        small = _upgraded(small)
     episode = EpisodeState(
         console=console.state_from_bytes(machine),
         start=console.game.starts.parse(small["start"]),
         actions=actions,
-        taken=tuple(Taken(*taken) for taken in small["taken"]),
+        taken=tuple(Taken(*item) for item in small["taken"]),
         end=small["end"],
         counters=small["counters"],
         readout=small["readout"],
@@ -68,7 +68,7 @@ def unpack_game(data: bytes, console: Console) -> AgentGameState:
     return AgentGameState(episode, view)
 
 
-def _of_first_version(small: dict[str, Any]) -> dict[str, Any]:
+def _upgraded(small: dict[str, Any]) -> dict[str, Any]:
     readout = ("lives", "missile_in_air", "alien_rows", "shifts", "alien_x")
     return {
         "start": dict(zip(("idle_frames", "mode", "difficulty"), small["start"], strict=True)),

@@ -6,7 +6,7 @@ from tril.recipes.changes import (
     FORMER_NAMES,
     changed_values,
     checked,
-    judged_where_trained,
+    evaluated_on_own_start,
     recipe_from_dict,
     with_values,
 )
@@ -42,7 +42,7 @@ __all__ = [
     "RewardRecipe",
     "changed_values",
     "checked",
-    "judged_where_trained",
+    "evaluated_on_own_start",
     "recipe_from_dict",
     "recipe_named",
     "recipes_for",

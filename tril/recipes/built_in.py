@@ -167,19 +167,19 @@ def recipe_named(name: str, pretrained: bool = True) -> Recipe:
     """Return a built-in recipe.
 
     Args:
-        name: Its name.
+        name: Name of a built-in recipe.
         pretrained: As for `recipes_for`.
 
     Raises:
         Invalid: There is none of this name for such a game; the message lists the names.
     """
-    known = recipes_for(pretrained)
-    if name in known:
-        return known[name]
-    others = ", ".join(known)
+    recipes = recipes_for(pretrained)
+    if name in recipes:
+        return recipes[name]
+    names = ", ".join(recipes)
     if name in RECIPES:
         raise Invalid(
             f"The recipe {name!r} needs networks that have learned to read the game's screens,"
-            f" which this game does not have; choose one of {others}."
+            f" which this game does not have; choose one of {names}."
         )
-    raise Invalid(f"There is no recipe {name!r}; choose one of {others}.")
+    raise Invalid(f"There is no recipe {name!r}; choose one of {names}.")

@@ -47,8 +47,8 @@ FORMER_NAMES = {
 """Today's path of each value that earlier versions called otherwise."""
 
 
-def judged_where_trained(recipe: Recipe, start_number: int) -> Recipe:
-    """Return the recipe under the published protocol, which holds no start out.
+def evaluated_on_own_start(recipe: Recipe, start_number: int) -> Recipe:
+    """Return the recipe under the published protocol, without held-out starts.
 
     The published work trains one policy per start and evaluates it on that very start (thesis,
     section 6.1), which measures how well that one game was learned.
@@ -58,8 +58,8 @@ def judged_where_trained(recipe: Recipe, start_number: int) -> Recipe:
     """
     if recipe.method == "dagger":
         raise Invalid("DAgger has no games of PPO that could begin at the start it is judged on.")
-    own = {"policy.own_starts": (start_number,), "policy.opening_share": 0.0}
-    recipe = with_values(recipe, own)
+    values = {"policy.own_starts": (start_number,), "policy.opening_share": 0.0}
+    recipe = with_values(recipe, values)
     return replace(recipe, evaluation=EvaluationRecipe((start_number,), ()))
 
 
@@ -74,17 +74,17 @@ def with_values(recipe: Recipe, values: Mapping[str, Any]) -> Recipe:
     Raises:
         Invalid: There is no such value, or it is out of its range; the message names the range.
     """
-    known = _by_path(recipe)
+    known_values = _by_path(recipe)
     data = recipe.to_dict()
     for path, value in values.items():
-        if path not in known:
-            raise Invalid(f"A recipe has no value {path!r}.{_suggestion(path, known)}")
+        if path not in known_values:
+            raise Invalid(f"A recipe has no value {path!r}.{_suggestion(path, known_values)}")
         part, _, name = path.rpartition(".")
         (data[part] if part else data)[name] = value
     try:
         return _validator().validate_python(data)
     except ValidationError as error:
-        problems = [_problem(one) for one in error.errors()[:MAX_PROBLEMS]]
+        problems = [_problem(detail) for detail in error.errors()[:MAX_PROBLEMS]]
         if error.error_count() > MAX_PROBLEMS:
             problems.append(f"And {error.error_count() - MAX_PROBLEMS:,} more.")
         raise Invalid(" ".join(problems)) from error
@@ -108,11 +108,11 @@ def changed_values(recipe: Recipe, original: Recipe) -> dict[str, Any]:
 
     Those FOR_PEOPLE are left aside.
     """
-    known = _by_path(original)
+    original_values = _by_path(original)
     return {
         path: value
         for path, value in _by_path(recipe).items()
-        if value != known[path] and path not in FOR_PEOPLE
+        if value != original_values[path] and path not in FOR_PEOPLE
     }
 
 
@@ -146,17 +146,19 @@ def _rebuilt(kind: type[T], data: Mapping[str, Any]) -> T:
 
 def _by_path(recipe: Recipe) -> dict[str, Any]:
     """Return all values by dotted path."""
-    found: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for name, value in recipe.to_dict().items():
-        inner = {f"{name}.{key}": one for key, one in value.items()} if type(value) is dict else {}
-        found |= inner or {name: value}
-    return found
+        inner_values = (
+            {f"{name}.{key}": item for key, item in value.items()} if type(value) is dict else {}
+        )
+        values |= inner_values or {name: value}
+    return values
 
 
-def _suggestion(path: str, known: Mapping[str, Any]) -> str:
+def _suggestion(path: str, known_values: Mapping[str, Any]) -> str:
     if path in FORMER_NAMES:
         return f" It is called {FORMER_NAMES[path]!r} now."
-    close = get_close_matches(path, known, n=1)
+    close = get_close_matches(path, known_values, n=1)
     return f" Did you mean {close[0]!r}?" if close else ""
 
 
@@ -173,7 +175,7 @@ def _problem(error: ErrorDetails) -> str:
     hint: Any = Recipe
     for name in path:
         hint = get_type_hints(hint, include_extras=True)[name]
-    described = [one.description for one in get_args(hint) if isinstance(one, FieldInfo)]
+    described = [field.description for field in get_args(hint) if isinstance(field, FieldInfo)]
     expected = str(context.get("expected") or next(iter(described), None) or "text")
     if error["type"] == "less_than_equal" and f"{context['le']:,.0f}" not in expected:
         expected = f"at most {context['le']:,.0f}"

@@ -171,7 +171,7 @@ class PolicyRecipe:
         snapshot_steps: Steps after which a snapshot of the policy competes for the best one; the
             published snapshots come after 500,000, then every 1,000,000.
         snapshot_episodes: Games from training starts whose mean return decides between snapshots.
-        own_starts: Evaluation starts that replace the training starts, see judged_where_trained.
+        own_starts: Evaluation starts that replace the training starts, see evaluated_on_own_start.
         opening_share: Share of the episodes from a start that begin with an opening, see
             tril.games.space_invaders.openings.
         sticky_action_probability: Probability, at every frame of a training game, that the previous

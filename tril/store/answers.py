@@ -14,7 +14,7 @@ from tril.store.models import StatementAnswerRow
 
 
 def current(session: Session, behaviour_id: int) -> list[StatementAnswer]:
-    """Return what counts of a behaviour's answers, as ``current_rows`` does."""
+    """Return the valid answers of a behaviour, as ``current_rows`` does."""
     return [
         StatementAnswer(subjects=row.subjects, sentence=row.sentence, meant=bool(row.meant))
         for row in current_rows(session, behaviour_id)
@@ -22,7 +22,7 @@ def current(session: Session, behaviour_id: int) -> list[StatementAnswer]:
 
 
 def current_rows(session: Session, behaviour_id: int) -> list[StatementAnswerRow]:
-    """Return what counts of a behaviour's answers, the latest last.
+    """Return the valid answers of a behaviour, the latest last.
 
     Of each statement that is the latest answer, unless it was taken back.
     """
@@ -47,11 +47,11 @@ def give(
 
     Args:
         session: The transaction.
-        behaviour_id: Of whose ranking the statement is.
-        subjects: What it is about, see tril.vocabulary.answers.
-        sentence: What they read.
+        behaviour_id: Behaviour of the ranking.
+        subjects: Subjects of the statement, see tril.vocabulary.answers.
+        sentence: Sentence shown to the person.
         meant: Whether it is what they mean; None takes back what was said of it before.
-        player_id: Who says it.
+        player_id: Player that answers.
     """
     session.add(
         StatementAnswerRow(

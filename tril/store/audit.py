@@ -47,9 +47,9 @@ def note(
 
     Args:
         session: The transaction.
-        action: What is done.
-        player_id: Who does it; None for a command in the terminal, or Tril itself.
-        subject: What it is done to: "recording 12".
+        action: Action to log.
+        player_id: Player that acts; None for a command in the terminal, or Tril itself.
+        subject: Object of the action: "recording 12".
         **details: More about it, as JSON; no secrets.
     """
     person = None if player_id is None else session.get(PlayerRow, player_id)
@@ -70,7 +70,7 @@ def page(session: Session, before: int | None = None, limit: int = 50) -> list[A
     Args:
         session: The transaction.
         before: Only entries that are older than the one of this id.
-        limit: How many.
+        limit: Most entries to return.
     """
     query = select(AuditRow).order_by(AuditRow.id.desc()).limit(limit)
     if before is not None:

@@ -96,8 +96,8 @@ def by_slug(session: Session, slug: str) -> BehaviourRow:
         select(BehaviourRow).where(BehaviourRow.slug == slug, BehaviourRow.deleted_at.is_(None))
     )
     if row is None:
-        known = ", ".join(other.slug for other in listing(session))
-        raise NotFound(f"There is no behaviour {slug!r}; there are {known}.")
+        slugs = ", ".join(row.slug for row in listing(session))
+        raise NotFound(f"There is no behaviour {slug!r}; there are {slugs}.")
     return row
 
 
@@ -134,7 +134,7 @@ def listing(
 
 def counts(session: Session, behaviour_id: int | None = None) -> dict[int, Counts]:
     """Return the counts of each behaviour, or of one; those with nothing are left out."""
-    found: dict[int, Counts] = defaultdict(Counts)
+    counts_by_id: dict[int, Counts] = defaultdict(Counts)
     in_library = select(
         RecordingRow.behaviour_id,
         func.count(),
@@ -163,12 +163,12 @@ def counts(session: Session, behaviour_id: int | None = None) -> dict[int, Count
         ranked = ranked.where(RankingRow.behaviour_id == behaviour_id)
     in_library = in_library.group_by(RecordingRow.behaviour_id)
     for key, n, perfect, scripted in session.execute(in_library):
-        found[key] = Counts(n, n_perfect=perfect, has_example=scripted > 0)
+        counts_by_id[key] = Counts(n, n_perfect=perfect, has_example=scripted > 0)
     for key, n in session.execute(trained.group_by(RunRow.behaviour_id)):
-        found[key] = replace(found[key], n_runs=n)
+        counts_by_id[key] = replace(counts_by_id[key], n_runs=n)
     for key, tiers in session.execute(ranked):
-        found[key] = replace(found[key], n_ranked=sum(len(tier) for tier in tiers))
-    return found
+        counts_by_id[key] = replace(counts_by_id[key], n_ranked=sum(len(tier) for tier in tiers))
+    return counts_by_id
 
 
 def create(
@@ -301,7 +301,7 @@ def restore(session: Session, behaviour_id: int, player_id: int | None = None) -
 
 def free_name(session: Session, name: str) -> str:
     """Return a name, followed by a number if behaviours have it already: "Column 1 (2)"."""
-    taken = {folded(other.name) for other in listing(session)}
+    taken = {folded(row.name) for row in listing(session)}
     free, number = name, 1
     while folded(free) in taken:
         number += 1
@@ -311,9 +311,9 @@ def free_name(session: Session, name: str) -> str:
 
 def seed_built_in(session: Session) -> None:
     """Add the built-in behaviours that are missing."""
-    known = set(session.scalars(select(BehaviourRow.slug)))
+    slugs = set(session.scalars(select(BehaviourRow.slug)))
     for behaviour in published():
-        if behaviour.slug not in known:
+        if behaviour.slug not in slugs:
             _add(session, behaviour, built_in=True)
 
 
@@ -378,11 +378,9 @@ def _in_use(session: Session, behaviour_id: int) -> bool:
 
 
 def _refuse_taken_name(session: Session, name: str, besides: int | None = None) -> None:
-    for other in listing(session):
-        if other.id != besides and folded(other.name) == folded(name):
-            raise NameTaken(
-                f"There is a behaviour named {other.name} already. Choose another name."
-            )
+    for row in listing(session):
+        if row.id != besides and folded(row.name) == folded(name):
+            raise NameTaken(f"There is a behaviour named {row.name} already. Choose another name.")
 
 
 def _free_slug(session: Session, name: str) -> str:

@@ -30,7 +30,7 @@ def note_change(session: Session, topic: str, key: str | int) -> None:
     Args:
         session: The transaction.
         topic: Kind of thing: "run", "recording", "library", "ranking", "behaviour", "system".
-        key: Its id.
+        key: Id of the changed row.
     """
     session.add(ChangeRow(topic=topic, key=str(key), created_at=database_now(session)))
 
@@ -65,8 +65,8 @@ class ChangeReader:
         self._missing: dict[int, float] = {}
         self._last = newest_change(session)
         first = max(0, self._last - MAX_GAPS)
-        seen = set(session.scalars(select(ChangeRow.id).where(ChangeRow.id > first)))
-        self._note_missing(set(range(first + 1, self._last)) - seen)
+        ids = set(session.scalars(select(ChangeRow.id).where(ChangeRow.id > first)))
+        self._note_missing(set(range(first + 1, self._last)) - ids)
 
     def read(self, session: Session, limit: int = MAX_GAPS) -> list[ChangeRow]:
         """Return at most so many changes that were not read yet, in the order of their ids."""
@@ -74,14 +74,14 @@ class ChangeReader:
         self._missing = {key: until for key, until in self._missing.items() if until > time_s}
         is_new = or_(ChangeRow.id > self._last, ChangeRow.id.in_(self._missing))
         query = select(ChangeRow).where(is_new).order_by(ChangeRow.id).limit(limit)
-        found = list(session.scalars(query))
-        seen = {row.id for row in found}
-        last = max(seen | {self._last})
-        for key in seen & self._missing.keys():
+        rows = list(session.scalars(query))
+        ids = {row.id for row in rows}
+        last = max(ids | {self._last})
+        for key in ids & self._missing.keys():
             del self._missing[key]
-        self._note_missing(set(range(max(self._last + 1, last - MAX_GAPS), last)) - seen)
+        self._note_missing(set(range(max(self._last + 1, last - MAX_GAPS), last)) - ids)
         self._last = last
-        return found
+        return rows
 
     def _note_missing(self, ids: set[int]) -> None:
         self._missing |= dict.fromkeys(ids, time.monotonic() + self._late_commit_s)
@@ -92,8 +92,8 @@ def prune(session: Session, keep: timedelta = timedelta(hours=1)) -> None:
 
     The newest stays, because SQLite gives ids again once the highest is gone.
     """
-    old = ChangeRow.created_at < database_now(session) - keep
-    session.execute(delete(ChangeRow).where(old, ChangeRow.id < newest_change(session)))
+    is_old = ChangeRow.created_at < database_now(session) - keep
+    session.execute(delete(ChangeRow).where(is_old, ChangeRow.id < newest_change(session)))
 
 
 def newest_change(session: Session) -> int:

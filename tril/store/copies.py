@@ -47,8 +47,8 @@ def dump_postgresql(engine: Engine, to: Path, snapshot: str | None = None) -> No
         CopyFailed: pg_dump is missing, older than the server, or failed.
     """
     check_pg_dump(engine)
-    more = [] if snapshot is None else [f"--snapshot={snapshot}"]
-    _run(engine.url, "pg_dump", "--format=custom", f"--file={to}", *more)
+    snapshot_options = [] if snapshot is None else [f"--snapshot={snapshot}"]
+    _run(engine.url, "pg_dump", "--format=custom", f"--file={to}", *snapshot_options)
     _sync(to)
 
 
@@ -64,13 +64,13 @@ def check_pg_dump(engine: Engine) -> None:
     program = shutil.which("pg_dump")
     if program is None:
         raise CopyFailed(f"The database can't be copied: there is no pg_dump. {needed}")
-    said = subprocess.run(
+    result = subprocess.run(
         [program, "--version"], capture_output=True, encoding="utf-8", errors="replace", check=False
     )
-    found = re.search(r"\) (\d+)", said.stdout)
-    if found is None or int(found[1]) < server:
+    match = re.search(r"\) (\d+)", result.stdout)
+    if match is None or int(match[1]) < server:
         raise CopyFailed(
-            f"The database can't be copied: {said.stdout.strip() or program} is older than its"
+            f"The database can't be copied: {result.stdout.strip() or program} is older than its"
             f" server (PostgreSQL {server}). {needed}"
         )
 
@@ -86,7 +86,7 @@ def copy_before_upgrade(engine: Engine, revision: str, folder: Path) -> Path:
 
     Args:
         engine: The database, which nobody writes to meanwhile.
-        revision: Its present revision.
+        revision: Present revision of the database.
         folder: Where the copies are kept.
 
     Returns:
@@ -113,8 +113,8 @@ def copy_before_upgrade(engine: Engine, revision: str, folder: Path) -> Path:
     finally:
         if unfinished.is_file():
             unfinished.unlink()
-    for old in sorted(folder.glob(f"[0-9]*-{_PREFIX}*"))[:-KEPT_COPIES]:
-        old.unlink()
+    for copy in sorted(folder.glob(f"[0-9]*-{_PREFIX}*"))[:-KEPT_COPIES]:
+        copy.unlink()
     return place
 
 
@@ -129,7 +129,7 @@ def _run(url: URL | None, program: str, *arguments: str) -> None:
         # Not a URL: libpq reads neither spaces nor plus signs as SQLAlchemy writes them.
         place = {**url.get_dialect()().create_connect_args(url)[1], "password": None}
         arguments = (*arguments, "--no-password", f"--dbname={make_conninfo(**place)}")
-    done = subprocess.run(
+    result = subprocess.run(
         [program, *arguments],
         env=environ,
         stdout=subprocess.DEVNULL,
@@ -138,8 +138,8 @@ def _run(url: URL | None, program: str, *arguments: str) -> None:
         errors="replace",
         check=False,
     )
-    if done.returncode:
-        raise CopyFailed(f"{program} failed: {done.stderr.strip()}")
+    if result.returncode:
+        raise CopyFailed(f"{program} failed: {result.stderr.strip()}")
 
 
 def is_postgresql(url: str) -> bool:

@@ -215,7 +215,7 @@ def database_now(session: Session) -> datetime:
     return moment
 
 
-def is_away(error: DBAPIError) -> bool:
+def is_unreachable(error: DBAPIError) -> bool:
     """Whether the database could not be reached, or the connection to it broke."""
     if isinstance(error, DatabaseReplaced):
         return True

@@ -63,9 +63,9 @@ class Progress:
     Attributes:
         game_id: The game.
         epoch: The owner's epoch.
-        recording: What was played so far.
-        played: What happened in it.
-        conditions: How it was played so far.
+        recording: Recording of the game so far.
+        played: Replay of the game so far.
+        conditions: Conditions of play so far.
     """
 
     game_id: str
@@ -94,8 +94,8 @@ def create_from(
         session: The transaction.
         parent: A person's game.
         frame: The frame after which it continues.
-        player_id: Who plays.
-        conditions: How the game was played until then.
+        player_id: Player of the game.
+        conditions: Conditions of play up to the frame.
 
     Raises:
         Invalid: The recording has no such frame, or nothing can be played after it.
@@ -118,7 +118,7 @@ def create_from(
     row.parent_id, row.parent_frame = parent.id, frame
     row.actions, row.n_frames = until.actions, until.n_frames
     row.hashes = list(until.hashes)
-    row.taken = [taken for taken in parent.taken if taken[2] <= frame]
+    row.taken = [item for item in parent.taken if item[2] <= frame]
     row.conditions = conditions or {}
     return _create(session, row)
 
@@ -136,10 +136,10 @@ def create_taken_over(
 
     Args:
         session: The transaction.
-        behaviour_id: What is to be demonstrated.
-        begun: What the policy has played.
-        player_id: Who takes over.
-        conditions: How the game was played until then.
+        behaviour_id: Behaviour to demonstrate.
+        begun: Recording of the policy's game.
+        player_id: Player that takes over.
+        conditions: Conditions of play up to the takeover.
 
     Raises:
         Conflict: The policy's game is over.
@@ -259,7 +259,7 @@ def branch(
         return None
     row = get(session, before.game_id).recording
     if row.parent_id is None or before.recording.n_frames > (row.parent_frame or 0):
-        kept = RecordingRow(
+        row_of_branch = RecordingRow(
             behaviour_id=row.behaviour_id,
             player_id=row.player_id,
             source=row.source,
@@ -269,12 +269,12 @@ def branch(
             conditions=before.conditions,
             finished_at=database_now(session),
         )
-        fill(kept, before.recording, before.played)
-        _judge(kept, refusal)
-        session.add(kept)
+        fill(row_of_branch, before.recording, before.played)
+        _judge(row_of_branch, refusal)
+        session.add(row_of_branch)
         session.flush()
-        note_change(session, "recording", kept.id)
-        row.parent_id = kept.id
+        note_change(session, "recording", row_of_branch.id)
+        row.parent_id = row_of_branch.id
     row.parent_frame = after.recording.n_frames
     fill(row, after.recording, after.played)
     row.conditions = after.conditions
@@ -340,8 +340,8 @@ def player_of(session: Session, game_id: str) -> tuple[int | None, int] | None:
         .join(GameRow, GameRow.recording_id == RecordingRow.id)
         .where(GameRow.id == game_id)
     )
-    found = session.execute(query).one_or_none()
-    return None if found is None else (found[0], found[1])
+    row = session.execute(query).one_or_none()
+    return None if row is None else (row[0], row[1])
 
 
 def is_open(session: Session, game_id: str) -> bool:

@@ -20,7 +20,7 @@ from tril.store.models import BehaviourRow, RecordingRow, RecordingState, Verifi
 
 
 def unmeasured(session: Session) -> dict[int, tuple[Measure, ...]]:
-    """Return what is missing of the values of each recording, by its id, newest first.
+    """Return the missing measures of each recording, by its id, newest first.
 
     Verified recordings count, those of runs and borrowed ones included.
     """
@@ -40,7 +40,7 @@ def unmeasured(session: Session) -> dict[int, tuple[Measure, ...]]:
             RecordingRow.deleted_at.is_(None),
         )
         for recording_id, values in session.execute(query):
-            lacking = {one.key: one for one in measures if one.key not in values}
+            lacking = {measure.key: measure for measure in measures if measure.key not in values}
             if lacking:
                 missing[recording_id] = lacking | missing.get(recording_id, {})
     return {key: tuple(lacking.values()) for key, lacking in sorted(missing.items(), reverse=True)}

@@ -88,7 +88,7 @@ class LineText(TypeDecorator[str]):
     What earlier versions stored is read such that it would be accepted today.
 
     Args:
-        max_length: How many characters are accepted.
+        max_length: Most characters accepted.
         default: What is read where nothing of a stored text could be seen.
     """
 

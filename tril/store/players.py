@@ -102,12 +102,12 @@ def named(session: Session, name: str) -> PlayerRow:
     namesake.
     """
     has_signed_in = exists().where(CredentialRow.player_id == PlayerRow.id)
-    known = session.scalars(
+    rows = session.scalars(
         select(PlayerRow)
         .where(or_(PlayerRow.role == Role.OWNER, ~has_signed_in))
         .order_by(PlayerRow.id)
     )
-    namesakes = (row for row in known if folded(row.name) == folded(name))
+    namesakes = (row for row in rows if folded(row.name) == folded(name))
     return next(namesakes, None) or add(session, name, Role.PARTICIPANT)
 
 

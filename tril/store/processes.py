@@ -110,7 +110,7 @@ class ProcessStatus:
         alive: Whether it is known to live, or its heartbeat is fresh and it is not known to have
             ended.
         busy: Whether it is alive without a fresh heartbeat, e.g. since the machine is overloaded.
-        details: What it says about itself.
+        details: Details that the process reports.
     """
 
     name: str
@@ -146,7 +146,7 @@ def beat(
         session: The transaction.
         name: Unique name of the process.
         kind: "server", "worker" or "inference".
-        details: What it says about itself.
+        details: Details that the process reports.
         identity: Tells when it has ended without a word; this process by default.
     """
     identity = identity or ProcessIdentity.of(os.getpid())
@@ -161,8 +161,8 @@ def beat(
     row.machine, row.pid, row.started = identity.machine, identity.pid, identity.started
 
 
-def say(session: Session, name: str, details: dict[str, Any]) -> None:
-    """Write what a process says about itself before its next heartbeat, without telling pages."""
+def report_details(session: Session, name: str, details: dict[str, Any]) -> None:
+    """Write a process's details before its next heartbeat, without notifying pages."""
     session.execute(update(ProcessRow).where(ProcessRow.name == name).values(details=details))
 
 
@@ -219,8 +219,8 @@ def is_kind_alive(session: Session, kind: str) -> bool:
 
 def is_gpu_worker_alive(session: Session) -> bool:
     """Whether a worker that learns on a GPU is alive."""
-    workers = [one for one in statuses(session) if one.alive and one.kind == "worker"]
-    return any(one.details.get("gpu") for one in workers)
+    workers = [status for status in statuses(session) if status.alive and status.kind == "worker"]
+    return any(worker.details.get("gpu") for worker in workers)
 
 
 def has_ended(session: Session, name: str) -> bool:

@@ -121,10 +121,10 @@ def save(
 
     Args:
         session: The transaction.
-        behaviour_id: Whose ranking.
+        behaviour_id: Behaviour of the ranking.
         base_revision: The revision that was changed into this order.
         tiers: Recordings, best tier first.
-        player_id: Who saves it.
+        player_id: Player that saves the ranking.
         change: "edit", "import" or "example".
 
     Raises:
@@ -152,7 +152,7 @@ def undo(
     newest = lock(session, behaviour_id, base_revision)
     earlier = _revision(session, newest, newest.undo_to, "undo")
     links = {"undo_to": earlier.undo_to, "redo_to": newest.revision}
-    return _add(session, newest, _still_rankable(session, earlier), player_id, "undo", **links)
+    return _add(session, newest, _rankable_part(session, earlier), player_id, "undo", **links)
 
 
 def redo(
@@ -167,7 +167,7 @@ def redo(
     newest = lock(session, behaviour_id, base_revision)
     undone = _revision(session, newest, newest.redo_to, "redo")
     links = {"undo_to": undone.undo_to, "redo_to": undone.redo_to}
-    return _add(session, newest, _still_rankable(session, undone), player_id, "redo", **links)
+    return _add(session, newest, _rankable_part(session, undone), player_id, "redo", **links)
 
 
 def remove_recordings(
@@ -177,7 +177,7 @@ def remove_recordings(
 
     Undo and redo pass over it: a deletion is undone by restoring the recordings.
     """
-    for behaviour_id in _behaviours_that_may_rank(session, recording_ids):
+    for behaviour_id in _ranking_behaviour_ids(session, recording_ids):
         newest = lock(session, behaviour_id)
         ranking = as_ranking(newest)
         if set(ranking.items).isdisjoint(recording_ids):
@@ -193,26 +193,26 @@ def remove_recordings(
         )
 
 
-def put_back(
+def restore_recordings(
     session: Session, deleted_at: Mapping[int, datetime], player_id: int | None = None
 ) -> None:
-    """Save a revision of each ranking that lost restored recordings by their deletion, with them.
+    """Put restored recordings back into the rankings that lost them, as a revision of each.
 
-    They come back where they were, see Ranking.with_back. Undo and redo pass over it as over the
-    deletion, unless the order was changed in between: then an undo takes them out again.
+    They return to their former tiers, see Ranking.with_restored. Undo and redo skip this revision
+    and the deletion, unless the order was changed in between: then an undo takes them out again.
 
     Args:
         session: The transaction.
         deleted_at: When each of the recordings was deleted, by id.
-        player_id: Who restores them.
+        player_id: Player that restores the recordings.
     """
-    for behaviour_id in _behaviours_that_may_rank(session, deleted_at):
+    for behaviour_id in _ranking_behaviour_ids(session, deleted_at):
         newest = lock(session, behaviour_id)
         rankable = _rankable(session, behaviour_id, deleted_at)
         ranking = as_ranking(newest)
         for recording_id, former in _former_rankings(session, newest, deleted_at):
             if recording_id in rankable and recording_id not in ranking.items:
-                ranking = ranking.with_back(recording_id, former)
+                ranking = ranking.with_restored(recording_id, former)
         if ranking == as_ranking(newest):
             continue
         # Restoring one by one, each passes over the one before, too.
@@ -242,37 +242,37 @@ def _former_rankings(
         .order_by(RankingRow.revision.desc())
         .limit(_MAX_DELETIONS)
     )
-    found: list[tuple[int, Ranking]] = []
+    former_rankings: list[tuple[int, Ranking]] = []
     former_of: dict[int, Ranking] = {}
     for row in reversed(session.scalars(latest).all()) if deleted_at else ():
         former = as_ranking(_revision(session, newest, row.revision - 1, "put back"))
         taken_out = set(former.items) - set(as_ranking(row).items)
         for item, earlier in former_of.items():
             if item not in former.items:
-                former = former.with_back(item, earlier)
+                former = former.with_restored(item, earlier)
         for item in former.items:
             if item in taken_out:
                 former_of[item] = former
                 # An earlier deletion doesn't tell whether it was ranked at its last one.
                 if item in deleted_at and row.created_at >= deleted_at[item]:
-                    found.append((item, former))
-    return found[::-1]
+                    former_rankings.append((item, former))
+    return former_rankings[::-1]
 
 
-def _behaviours_that_may_rank(session: Session, recording_ids: Collection[int]) -> list[int]:
-    """Return the behaviours of recordings and those that have borrowed any, in order of locking."""
-    found: set[int] = set()
-    for part in in_parts(sorted(recording_ids), PART):
-        own = select(RecordingRow.behaviour_id).where(RecordingRow.id.in_(part))
-        borrowing = select(BorrowedGameRow.behaviour_id).where(
+def _ranking_behaviour_ids(session: Session, recording_ids: Collection[int]) -> list[int]:
+    """Return the behaviours that own or have borrowed recordings, in locking order."""
+    behaviour_ids: set[int] = set()
+    for part in chunks(sorted(recording_ids), PART):
+        owners = select(RecordingRow.behaviour_id).where(RecordingRow.id.in_(part))
+        borrowers = select(BorrowedGameRow.behaviour_id).where(
             BorrowedGameRow.recording_id.in_(part)
         )
-        found.update(session.scalars(union(own, borrowing)))
-    return sorted(found)
+        behaviour_ids.update(session.scalars(union(owners, borrowers)))
+    return sorted(behaviour_ids)
 
 
-def in_parts(ids: Sequence[int], size: int) -> Iterator[Sequence[int]]:
-    """Yield ids in parts of at most so many."""
+def chunks(ids: Sequence[int], size: int) -> Iterator[Sequence[int]]:
+    """Yield ids in chunks of at most ``size``."""
     for start in range(0, len(ids), size):
         yield ids[start : start + size]
 
@@ -297,9 +297,9 @@ def lock(
     return newest
 
 
-def _revision(session: Session, newest: RankingRow, revision: int | None, what: str) -> RankingRow:
+def _revision(session: Session, newest: RankingRow, revision: int | None, step: str) -> RankingRow:
     if revision is None:
-        raise Invalid(f"There is nothing to {what}.")
+        raise Invalid(f"There is nothing to {step}.")
     if revision == 0:
         return _empty(newest.behaviour_id)
     return session.scalars(
@@ -349,13 +349,13 @@ def _add(
 def _rankable(
     session: Session, behaviour_id: int, among: Collection[int] | None = None
 ) -> set[int]:
-    """Return what a behaviour's ranking may hold, or which of some recordings it may."""
+    """Return the recordings that a behaviour's ranking may hold, of all or of some."""
     is_own = and_(RecordingRow.behaviour_id == behaviour_id, RecordingRow.run_id.is_(None))
     is_borrowed = RecordingRow.id.in_(borrowed_ids(behaviour_id))
     query = select(RecordingRow.id).where(or_(is_own, is_borrowed), *RANKABLE)
     if among is None:
         return set(session.scalars(query))
-    parts = in_parts(sorted(among), PART)
+    parts = chunks(sorted(among), PART)
     return {
         key for part in parts for key in session.scalars(query.where(RecordingRow.id.in_(part)))
     }
@@ -371,7 +371,7 @@ def without_unrankable(session: Session, behaviour_id: int, ranking: Ranking) ->
     return ranking.without(set(ranking.items) - _rankable(session, behaviour_id, ranking.items))
 
 
-def _still_rankable(session: Session, row: RankingRow) -> Ranking:
+def _rankable_part(session: Session, row: RankingRow) -> Ranking:
     return without_unrankable(session, row.behaviour_id, as_ranking(row))
 
 

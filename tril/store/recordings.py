@@ -68,7 +68,7 @@ def columns_of(recording: Recording, played: Replay) -> dict[str, Any]:
         "actions": recording.actions,
         "n_frames": recording.n_frames,
         "hashes": list(recording.hashes),
-        "taken": [[one.row, one.column, one.frame] for one in played.taken],
+        "taken": [[item.row, item.column, item.frame] for item in played.taken],
         "counters": played.counters,
         "score": played.score,
         "measured": dict(played.measured),
@@ -93,15 +93,15 @@ def add(
 
     Args:
         session: The transaction.
-        behaviour_id: What it is a game of.
+        behaviour_id: Behaviour of the recording.
         recording: A verified recording (tril.recording.verify).
-        played: What happened in its replay.
-        source: Who played it.
-        player_id: Which person played it, if one did.
-        run_id: Which run's policy played it, if one did.
+        played: Replay of the recording.
+        source: Kind of player.
+        player_id: Player, for a person's recording.
+        run_id: Run, for a policy's recording.
         perfect: Whether the clone learns from it.
         notes: A person's remarks.
-        conditions: How it was played.
+        conditions: Conditions of play.
     """
     row = RecordingRow(
         behaviour_id=behaviour_id,
@@ -135,8 +135,8 @@ def player_of(session: Session, recording_id: int) -> tuple[int | None, int] | N
     query = select(RecordingRow.player_id, RecordingRow.behaviour_id).where(
         RecordingRow.id == recording_id, RecordingRow.source == Source.PERSON
     )
-    found = session.execute(query).one_or_none()
-    return None if found is None else (found[0], found[1])
+    row = session.execute(query).one_or_none()
+    return None if row is None else (row[0], row[1])
 
 
 def by_ids(session: Session, ids: Iterable[int], *columns: Any) -> dict[int, RecordingRow]:
@@ -150,7 +150,7 @@ def by_ids(session: Session, ids: Iterable[int], *columns: Any) -> dict[int, Rec
     options = [load_only(*columns)] if columns else []
     return {
         row.id: row
-        for part in rankings.in_parts(sorted(set(ids)), rankings.PART)
+        for part in rankings.chunks(sorted(set(ids)), rankings.PART)
         for row in session.scalars(
             select(RecordingRow).where(RecordingRow.id.in_(part)).options(*options)
         )
@@ -159,7 +159,7 @@ def by_ids(session: Session, ids: Iterable[int], *columns: Any) -> dict[int, Rec
 
 def in_order(session: Session, ids: Sequence[int]) -> Iterator[RecordingRow]:
     """Yield recordings in the order of their ids, with only some in memory at a time."""
-    for part in rankings.in_parts(ids, ROWS_IN_MEMORY):
+    for part in rankings.chunks(ids, ROWS_IN_MEMORY):
         rows = by_ids(session, part)
         yield from (rows[key] for key in part if key in rows)
         for row in rows.values():
@@ -253,7 +253,7 @@ def branches(session: Session, recording_id: int, only_of: int | None = None) ->
 def own_ids(
     session: Session, player_id: int, behaviour_ids: Collection[int], ids: Iterable[int]
 ) -> set[int]:
-    """Return which of these recordings a person played, of these behaviours."""
+    """Return those of these recordings that a person played, of these behaviours."""
     query = select(RecordingRow.id).where(
         RecordingRow.id.in_(set(ids)),
         RecordingRow.behaviour_id.in_(behaviour_ids),
@@ -302,13 +302,13 @@ def delete(session: Session, rows: Sequence[RecordingRow], player_id: int | None
                 f"Recording {row.id} is a result of a training and belongs to it; delete the "
                 "training instead."
             )
-    gone = [row for row in rows if row.deleted_at is None]
-    for row in gone:
+    deleted = [row for row in rows if row.deleted_at is None]
+    for row in deleted:
         row.deleted_at = now()
         audit.note(session, audit.Action.DELETED, player_id, f"recording {row.id}")
-    note_recordings(session, gone)
+    note_recordings(session, deleted)
     session.flush()
-    rankings.remove_recordings(session, [row.id for row in gone], player_id)
+    rankings.remove_recordings(session, [row.id for row in deleted], player_id)
 
 
 def restore(session: Session, rows: Sequence[RecordingRow], player_id: int | None = None) -> None:
@@ -327,7 +327,7 @@ def restore(session: Session, rows: Sequence[RecordingRow], player_id: int | Non
         audit.note(session, audit.Action.RESTORED, player_id, f"recording {row.id}")
     note_recordings(session, [row for row in rows if row.id in deleted_at])
     session.flush()
-    rankings.put_back(session, deleted_at, player_id)
+    rankings.restore_recordings(session, deleted_at, player_id)
 
 
 def mark(
@@ -356,9 +356,9 @@ def update(
     Args:
         session: The transaction.
         row: The recording.
-        perfect: Whether it is.
-        notes: Its notes.
-        player_id: Who changes it.
+        perfect: New mark, None to keep it.
+        notes: New notes, None to keep them.
+        player_id: Player that makes the change.
 
     Raises:
         Invalid: It is to be perfect but is not verified.

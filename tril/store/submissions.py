@@ -42,7 +42,7 @@ class Submission:
     """A request that carries a key; guards the transactions that handle it.
 
     Attributes:
-        player_id: Who submits; another person's keys are others.
+        player_id: Player that submits; keys are per player.
         key: The key.
         content: Digest of what is submitted, complete once the request has been read.
         row_id: Its row, once its changes are committed.
@@ -93,8 +93,8 @@ class Submission:
             .limit(1)
         )
         if oldest is not None:
-            own = SubmissionRow.player_id == self.player_id
-            session.execute(delete(SubmissionRow).where(own, SubmissionRow.id <= oldest))
+            is_own = SubmissionRow.player_id == self.player_id
+            session.execute(delete(SubmissionRow).where(is_own, SubmissionRow.id <= oldest))
         row = SubmissionRow(
             player_id=self.player_id,
             key=self.key,

@@ -41,14 +41,14 @@ def create_run(
 
     Args:
         session: The transaction.
-        behaviour_id: What is taught.
-        recipe: How it is learned; stored in full.
+        behaviour_id: Behaviour to teach.
+        recipe: Recipe of the run; stored in full.
         steps: Steps of the imitator's training games; None for what the recipe proposes.
         training_seed: Feeds every random choice of learning.
         go_on_anyway: Whether the imitator is trained even when the check of the ranking fails.
         example: Whether missing scripted demonstrations are made and ranked first; the snapshot is
             frozen once they exist.
-        player_id: Who started it.
+        player_id: Player that starts the run.
         example_kind: Which demonstrations an example has, see tril.demonstrators.KINDS.
         parent_run_id: The run whose imitator PPO begins with, in place of the run's own clone.
         max_queued: Most runs that may wait in the queue; None for any number.
@@ -138,7 +138,7 @@ def create_run(
 
 
 def _refuse_too_many(session: Session, player_id: int, limit: int) -> None:
-    n_stored = runs.count_made_by(session, player_id)
+    n_stored = runs.count_of_player(session, player_id)
     if n_stored >= limit:
         raise Conflict(
             f"{n_stored} runs of yours are stored, deleted ones included, and no more may be."

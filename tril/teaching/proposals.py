@@ -32,14 +32,16 @@ def proposed_games(
     Returns:
         At most N_PROPOSED, by start number; the same ones for the same games.
     """
-    own = [g for g in games if g.policy == "imitator"]
-    starts = {g.start_number for g in own if g.action_selection != "sampled"}
-    shown = [g for g in own if g.start_number in (starts - set(kept_starts) or starts)]
-    candidates = [g for g in shown if g.action_selection != "sampled"]
+    imitator_games = [g for g in games if g.policy == "imitator"]
+    starts = {g.start_number for g in imitator_games if g.action_selection != "sampled"}
+    unseen_games = [
+        g for g in imitator_games if g.start_number in (starts - set(kept_starts) or starts)
+    ]
+    candidates = [g for g in unseen_games if g.action_selection != "sampled"]
     if all(evaluations.figures_of(g, n_targets).perfect for g in candidates):
         candidates = [
             g
-            for g in shown
+            for g in unseen_games
             if g.action_selection != "sampled" or not evaluations.figures_of(g, n_targets).perfect
         ]
     traits = [
@@ -53,10 +55,10 @@ def proposed_games(
 def pick_training_games(
     behaviour: Behaviour, games: Sequence[tuple[Sequence[Cell], bool]]
 ) -> Sequence[int]:
-    """Return which games to keep: few, and unlike each other.
+    """Pick the games to keep: few, and unlike each other.
 
     Args:
-        behaviour: What is taught.
+        behaviour: Behaviour to teach.
         games: Of each, the items taken, in order of time, and whether the player died.
 
     Returns:

@@ -31,8 +31,8 @@ def add_varied_games(
 
     Args:
         database: The database.
-        behaviour_id: Whose ranking may hold them.
-        count: How many.
+        behaviour_id: Behaviour of the ranking.
+        count: Number of games.
         play: Plays a game of varied play, from a seed.
         rng: Source of all random choices.
 
@@ -54,8 +54,8 @@ def add_varied_games(
         borrowed.borrow(
             session, behaviour_id, borrowed.borrowable(session, behaviour_id).keys() & chosen
         )
-        made = [
+        recording_ids = [
             recordings.add(session, behaviour_id, game.recording, game.replay, Source.VARIED).id
             for game in games
         ]
-    return chosen + made
+    return chosen + recording_ids

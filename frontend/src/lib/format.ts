@@ -152,8 +152,8 @@ export function duration(s: number): string {
   if (minutes < 60) return withUnit(minutes, "min");
   const hours = Math.floor(minutes / 60);
   if (hours < 48) {
-    const rest = String(minutes % 60).padStart(2, "0");
-    return `${withUnit(hours, "h")} ${withUnit(rest, "min")}`;
+    const minutesLeft = String(minutes % 60).padStart(2, "0");
+    return `${withUnit(hours, "h")} ${withUnit(minutesLeft, "min")}`;
   }
   return plural(Math.round(hours / 24), { one: "# day", other: "# days" });
 }

@@ -16,8 +16,8 @@ export function valueRows(values: Readonly<Record<string, unknown>>): readonly V
   const rows: ValueRow[] = [];
   for (const [key, value] of Object.entries(values)) {
     if (isRecord(value)) {
-      for (const [inner, one] of Object.entries(value)) {
-        rows.push({ section: key, name: words(inner), value: show(one) });
+      for (const [inner, innerValue] of Object.entries(value)) {
+        rows.push({ section: key, name: words(inner), value: show(innerValue) });
       }
     } else if (key !== "summary") {
       rows.push({ section: "", name: words(key), value: show(value) });

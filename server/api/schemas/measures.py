@@ -60,13 +60,13 @@ class Measure(Schema):
 Measures = Annotated[list[Measure], Field(max_length=MAX_MEASURES)]
 
 
-def measures_of(shown: list[Measure]) -> tuple[measures.Measure, ...]:
+def measures_of(sent: list[Measure]) -> tuple[measures.Measure, ...]:
     """Return measures as they were sent.
 
     Raises:
         Invalid: One is not valid.
     """
-    return tuple(one.measure() for one in shown)
+    return tuple(measure.measure() for measure in sent)
 
 
 class MeasureMean(Schema):

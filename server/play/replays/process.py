@@ -60,7 +60,7 @@ class ReplayProcess:
         """Request a replay.
 
         Args:
-            task: What to replay the recording for.
+            task: Task of the replay.
             recording: The recording.
             taken: For a check, the items that it is said to take, in order of time.
 
@@ -88,7 +88,7 @@ class ReplayProcess:
             content: Parsed JSON.
 
         Raises:
-            RecordingRefused: As ``load_recording`` says.
+            RecordingRefused: See ``load_recording``.
             Unavailable: It could not be replayed.
         """
         return self._thread.submit(self._load, LoadRequest(content)).result()
@@ -98,7 +98,7 @@ class ReplayProcess:
 
         Args:
             recording: The recording.
-            measures: What to measure; the game has it.
+            measures: Measures to take; the game has them.
 
         Raises:
             RecordingRefused: The replay differs from what was recorded.

@@ -50,7 +50,7 @@ def frames_file(recording: Recording, console: Console | None = None) -> bytes:
 
 def thumbnail_png(recording: Recording, console: Console | None = None) -> bytes:
     """Return a PNG of the screen after the last item taken, or else of the last frame."""
-    shown: Screen = np.zeros(recording.game.screen.shape, np.uint8)
+    screen: Screen = np.zeros(recording.game.screen.shape, np.uint8)
     n_taken = 0
 
     def keep_screen(episode: Episode) -> None:
@@ -58,12 +58,12 @@ def thumbnail_png(recording: Recording, console: Console | None = None) -> bytes
         is_last = episode.frame == recording.n_frames or episode.end is not None
         if len(episode.taken) > n_taken or (is_last and not n_taken):
             n_taken = len(episode.taken)
-            episode.console.screen(shown)
+            episode.console.screen(screen)
 
     replay(recording, console, keep_screen)
     file = io.BytesIO()
     palette = recording.game.screen.palette
-    picture = shown if palette is None else palette[shown]
+    picture = screen if palette is None else palette[screen]
     image = Image.fromarray(picture).quantize(256, dither=Image.Dither.NONE)
     image.save(file, "PNG", optimize=True)
     return file.getvalue()

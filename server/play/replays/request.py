@@ -47,7 +47,7 @@ class Request:
     """A request for a replay.
 
     Attributes:
-        task: What to replay the recording for.
+        task: Task of the replay.
         recording: The recording.
         taken: For a check, the items that it is said to take, in order of time.
     """
@@ -87,7 +87,7 @@ class MeasureRequest:
 
     Attributes:
         recording: The recording.
-        measures: What to measure.
+        measures: Measures to take.
     """
 
     recording: Recording
@@ -117,7 +117,7 @@ class UnderstandRequest:
         summaries: Facts of the games, float32 (n_games, n_facts).
         tiers: Rows of the ranked games, the best tier first.
         best: Rows of the best efforts.
-        answers: What a person said of statements, the latest last.
+        answers: Answers about statements, the latest last.
     """
 
     game: Game
@@ -133,9 +133,9 @@ class Told:
     """A statement as a person reads it, see `tril.vocabulary.sentences.Telling`.
 
     Attributes:
-        sentence: What it says.
-        probability: Of it.
-        subjects: What it is about.
+        sentence: Sentence for the person.
+        probability: Probability of the statement.
+        subjects: Subjects of the statement.
         kinds: Kinds of things that it is about.
     """
 
@@ -152,7 +152,7 @@ class Understood:
     Attributes:
         statements: The most probable first; none if the answers exclude all.
         is_sense: Whether they explain the order better than shuffled ones.
-        values: Of each game, in log odds.
+        values: Value of each game, in log odds.
     """
 
     statements: tuple[Told, ...]
@@ -238,8 +238,13 @@ def _understand(request: UnderstandRequest) -> Understood:
         return Understood((), True, (0.0,) * len(request.summaries))
     return Understood(
         tuple(
-            Told(one.sentence, one.probability, one.subjects, one.kinds(words))
-            for one in tell(words, understanding.posterior, request.game, understanding.meant)
+            Told(
+                statement.sentence,
+                statement.probability,
+                statement.subjects,
+                statement.kinds(words),
+            )
+            for statement in tell(words, understanding.posterior, request.game, understanding.meant)
         ),
         surpasses_chance(words, request.summaries, request.tiers, request.best, request.answers),
         tuple(understanding.value(request.summaries).tolist()),

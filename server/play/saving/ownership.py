@@ -176,7 +176,7 @@ class GameOwnership:
         recorder = await asyncio.to_thread(
             self._rebuild, before.recording.until(frame), game.checkpoints.latest_until(frame)
         )
-        kept: RecordingRow | None = None
+        row: RecordingRow | None = None
         try:
             with suppress(Unavailable):
                 refusal = await find_refusal(
@@ -186,7 +186,7 @@ class GameOwnership:
                     lambda: session.is_stopping,
                 )
                 if not session.is_stopping:
-                    kept = await self._write(
+                    row = await self._write(
                         session,
                         lambda: partial(
                             self._branch,
@@ -196,9 +196,9 @@ class GameOwnership:
                         ),
                     )
         finally:
-            if kept is None:
+            if row is None:
                 self._consoles.give_back(recorder.episode.console)
-        return None if kept is None else RewoundGame(recorder, kept.id)
+        return None if row is None else RewoundGame(recorder, row.id)
 
     async def release(self, game: LiveGame) -> None:
         """Let a game's lease expire, so that it counts as left alone from now on."""
@@ -211,7 +211,7 @@ class GameOwnership:
         """End abandoned games, and keep finished ones that nobody decided about.
 
         Args:
-            rules: After which time.
+            rules: Rules with the time limits.
             loaded: Games in this process, which are left alone.
         """
         await self._committer.run(
@@ -247,10 +247,10 @@ class GameOwnership:
         self._limits.check_recordings(session, None if player is None else player[0])
         return games.branch(session, before, after, refusal)
 
-    def _rebuild(self, recording: Recording, near: EpisodeState | None = None) -> Recorder:
+    def _rebuild(self, recording: Recording, nearest_state: EpisodeState | None = None) -> Recorder:
         console = self._consoles.take(recording.game)
         try:
-            return Recorder.resume(recording, console, near=near)
+            return Recorder.resume(recording, console, nearest_state=nearest_state)
         except BaseException:
             self._consoles.give_back(console)
             raise
@@ -298,14 +298,14 @@ async def find_refusal(
 
     Args:
         replays: The replay process.
-        recording: What was played.
+        recording: Recording of the game.
         taken: The items taken.
         give_up: Asked after each failure to replay whether to raise instead of retrying.
 
     Raises:
         Unavailable: The recording could not be replayed.
     """
-    cells = [one.cell for one in taken]
+    cells = [item.cell for item in taken]
     while True:
         try:
             await asyncio.wrap_future(replays.submit(ReplayTask.CHECK, recording, cells))

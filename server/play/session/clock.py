@@ -23,7 +23,7 @@ _CLOCK = getattr(time, "CLOCK_BOOTTIME", getattr(time, "CLOCK_MONOTONIC", None))
 """A clock that runs while the machine sleeps. asyncio's does not on Linux and macOS."""
 
 
-class StoodStill(TrilError):
+class ProcessSuspended(TrilError):
     """Time jumped: the process, or the whole machine, was suspended or too busy to play."""
 
 
@@ -41,12 +41,12 @@ class JumpDetector:
         """Compare the time since the last call, or the restart, with what was planned.
 
         Raises:
-            StoodStill: It was more than MAX_GAP_S longer.
+            ProcessSuspended: It was more than MAX_GAP_S longer.
         """
         now = _elapsed_s()
         gap_s, self._at_s = now - self._at_s - planned_s, now
         if gap_s > MAX_GAP_S:
-            raise StoodStill(
+            raise ProcessSuspended(
                 f"The server stood still for {gap_s:.0f} s, so the game is paused. Was the machine "
                 "asleep, or very busy?"
             )
@@ -79,12 +79,12 @@ class FrameClock:
         """Wait until a frame at this speed has passed since the last deadline.
 
         Args:
-            speed_percent: Of the game's frame rate.
+            speed_percent: Speed in percent of the game's frame rate.
             ready: Waits for whatever else the next frame needs. If that is more than a frame late,
                 the clock stands still meanwhile: the deadlines restart from then.
 
         Raises:
-            StoodStill: Time jumped.
+            ProcessSuspended: Time jumped.
         """
         self._deadline += self._frame_s * FULL_SPEED_PERCENT / speed_percent
         now = self._loop.time()

@@ -31,10 +31,10 @@ class LiveGame:
     """A game in memory.
 
     Attributes:
-        info: What does not change about it.
+        info: Constant facts of the game.
         epoch: The owner's epoch.
         recorder: The game itself, on a console of its own.
-        conditions: How it was played so far.
+        conditions: Conditions of play so far.
         checkpoints: States to rewind to.
     """
 
@@ -101,11 +101,11 @@ class LiveGame:
         return message, before.episode.console
 
     def progress(self) -> Progress:
-        """Return what there is to save."""
+        """Return the game's progress, to be saved."""
         return self._before_frame or self._progress(self.recorder, self.conditions)
 
     def progress_after_rewind(self, recorder: Recorder) -> Progress:
-        """Return what there is to save once the game continues with this recorder."""
+        """Return the progress to save once the game continues with this recorder."""
         return self._progress(recorder, self.conditions.until(recorder.episode.frame))
 
     def mark_saved(self, progress: Progress) -> None:

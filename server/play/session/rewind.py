@@ -76,7 +76,7 @@ async def play_backwards(
 
     Args:
         checkpoints: The game's states.
-        recording: What was played.
+        recording: Recording of the game so far.
         consoles: The pool to take a console from.
         show: Shows a scene.
         is_over: Whether to stop.
@@ -85,7 +85,7 @@ async def play_backwards(
         The frame shown last.
 
     Raises:
-        StoodStill: Time jumped.
+        ProcessSuspended: Time jumped.
     """
     loop = asyncio.get_running_loop()
     console = await asyncio.to_thread(consoles.take, recording.game)

@@ -11,7 +11,7 @@ from server.play.consoles import ConsolePool
 from server.play.lateness import Lateness
 from server.play.rules import PlayRules
 from server.play.session.activity import Activity
-from server.play.session.clock import FrameClock, JumpDetector, StoodStill, is_set_within
+from server.play.session.clock import FrameClock, JumpDetector, ProcessSuspended, is_set_within
 from server.play.session.live_game import LiveGame
 from server.play.session.rewind import play_backwards
 from server.play.wire.byte_budget import TokenBucket
@@ -272,7 +272,7 @@ class PlaySession:
                 message, console = self.game.rewind(rewound.recorder, rewound.recording_id)
                 self._resources.consoles.give_back(console)
                 await connection.send(message)
-        except StoodStill as error:
+        except ProcessSuspended as error:
             why = str(error)
         finally:
             self._wait_for_player()
@@ -297,7 +297,7 @@ class PlaySession:
             self.phase = Phase.PLAYING
             with self._resources.consoles.loading_suspended():
                 why = await self._play()
-        except StoodStill as error:
+        except ProcessSuspended as error:
             why = str(error)
         finally:
             self._wait_for_player()
@@ -310,7 +310,7 @@ class PlaySession:
         """Execute frames; returns why the game was paused, if its player has to be told.
 
         Raises:
-            StoodStill: Time jumped.
+            ProcessSuspended: Time jumped.
         """
         if self.connection is not None:
             self.connection.discard_taps()

@@ -57,14 +57,14 @@ class AttentionFeed:
         self._client.close()
 
     async def _feed(self, watched: Watched) -> None:
-        shown: dict[int, int] = {}
+        shown_frames: dict[int, int] = {}
         while self._socket.is_open:
             for lane in self._lanes:
                 frame = lane.game.observed_frame
-                if shown.get(lane.number) == frame:
+                if shown_frames.get(lane.number) == frame:
                     continue
                 try:
-                    found = await self._client.attention(
+                    attention = await self._client.attention(
                         "reward" if watched == "reward" else lane.game.actor.policy,
                         lane.game.observation,
                         lane.game.episode.game.screen.background,
@@ -73,19 +73,19 @@ class AttentionFeed:
                     # The map is left out; whether the games can go on is for their actions to say.
                     _LOG.info("No attention maps are shown: %s", error)
                     return
-                shown[lane.number] = frame
-                await self._socket.say(_message(lane.number, frame, found))
+                shown_frames[lane.number] = frame
+                await self._socket.send_message(_message(lane.number, frame, attention))
                 await asyncio.sleep(REST_S)
             await asyncio.sleep(REST_S)
 
 
-def _message(lane: int, frame: int, found: AttentionMap) -> LaneAttention:
-    most = float(found.values.max())
-    shares = found.values / most if most > 0.0 else found.values
+def _message(lane: int, frame: int, attention: AttentionMap) -> LaneAttention:
+    peak = float(attention.values.max())
+    shares = attention.values / peak if peak > 0.0 else attention.values
     return LaneAttention(
         lane=lane,
         frame=frame,
-        most=most,
-        action=None if found.action is None else int(found.action),
+        most=peak,
+        action=None if attention.action is None else int(attention.action),
         shares=b64encode(np.rint(255.0 * shares).astype(np.uint8).tobytes()).decode(),
     )

@@ -39,7 +39,7 @@ from tril.store.models import RunRow, RunStatus
 from tril.store.training import artifacts, runs
 
 TRY_AGAIN_S = 0.5
-"""Seconds after which a page that waits for places looks for them again, at the latest."""
+"""Seconds after which a page that waits for slots looks for them again, at the latest."""
 
 WHY_IDLE = "The game was paused for long."
 WHY_FAILED = "An error stopped the game."
@@ -52,12 +52,12 @@ class WatchPlan:
     Attributes:
         player_id: The person who watches, and plays on.
         run_id: The run whose policies play.
-        behaviour_id: What they have been taught.
-        behaviour: The same, to score hits.
+        behaviour_id: Behaviour that the policies were taught.
+        behaviour: Domain value of the behaviour, to score hits.
         beginning: Where the games begin.
-        game: What is played.
+        game: Game to play.
         end_rule: Name of the rule by which a loss ends them.
-        players: Who plays, and the seed of its sampled and repeated actions.
+        players: Actors, each with the seed of its sampled and repeated actions.
     """
 
     player_id: int
@@ -82,7 +82,7 @@ class WatchHub:
         limits: Limits on the number of open games.
 
     Attributes:
-        lateness: How late frames began since the process started, waits for decisions included.
+        lateness: Lateness of frames since the process started, waits for decisions included.
     """
 
     def __init__(
@@ -104,7 +104,7 @@ class WatchHub:
         self._resources = SessionResources(consoles, rules, self.lateness)
         self._events = WatchEvents(self._on_take_over, self._on_error)
         self._sessions: dict[WatchSession, WatchPlan] = {}
-        # Set when places are given up, and then replaced.
+        # Set when slots are released, and then replaced.
         self._left = asyncio.Event()
         self._tasks = (PeriodicTask("watched", self._close_idle, rules.sweep_every_s),)
 
@@ -134,13 +134,13 @@ class WatchHub:
             NotFound: There is no such run, or it has no such policy; says why.
             Unavailable: Too many games are open.
         """
-        # Before places are taken, so that requests for unknown runs keep nobody from playing.
+        # Before slots are reserved, so that requests for unknown runs keep nobody from playing.
         plan = await self._committer.run(lambda session: _plan(session, request, player_id))
-        await self._take_places(len(plan.players), player_id)
+        await self._reserve(len(plan.players), player_id)
         try:
             played = await asyncio.to_thread(self._begin, plan)
         except BaseException:
-            self._give_up_places(len(plan.players), player_id)
+            self._cancel_reservation(len(plan.players), player_id)
             raise
         session = WatchSession(
             [Lane(n, game, plan.behaviour, socket) for n, game in enumerate(played)],
@@ -159,34 +159,34 @@ class WatchHub:
         if plan is None:
             return
         # At once: a page that watches other games opens them while these come to a stop.
-        self._give_up_places(len(plan.players), plan.player_id)
+        self._cancel_reservation(len(plan.players), plan.player_id)
         await session.close()
         for lane in session.lanes:
             self._consoles.give_back(lane.game.episode.console)
 
-    async def _take_places(self, n_games: int, player_id: int) -> None:
-        """Take places for games, if need be after the player's other pages have left theirs.
+    async def _reserve(self, n_games: int, player_id: int) -> None:
+        """Reserve slots for games, if need be after the player's other pages release theirs.
 
-        A page that goes on to other games opens them while it leaves the old ones.
+        A page that moves on to other games opens them while it closes the old ones.
 
         Raises:
-            TooManyGames: There are no places.
+            TooManyGames: No slot is free.
         """
         clock = asyncio.get_running_loop().time
         deadline = clock() + self._rules.leaving_s
         while True:
-            left = self._left
+            page_left = self._left
             try:
-                return await self._try_to_take_places(n_games, player_id)
+                return await self._try_reserve(n_games, player_id)
             except TooManyGames:
-                may_leave = left.is_set() or self._limits.watched.of_players[player_id] > 0
+                may_leave = page_left.is_set() or self._limits.watched.of_players[player_id] > 0
                 if clock() >= deadline or not may_leave:
                     raise
             # Other games end without a word to this hub.
             with suppress(TimeoutError):
-                await asyncio.wait_for(left.wait(), TRY_AGAIN_S)
+                await asyncio.wait_for(page_left.wait(), TRY_AGAIN_S)
 
-    async def _try_to_take_places(self, n_games: int, player_id: int) -> None:
+    async def _try_reserve(self, n_games: int, player_id: int) -> None:
         if self._games.n_games + self._limits.watched.n_open + n_games > self._rules.max_games:
             raise TooManyGames(
                 "This process plays as many games as it can. Games are short: try again in a "
@@ -196,25 +196,25 @@ class WatchHub:
         watched.of_players[player_id] += n_games
 
         def check(session: Session) -> None:
-            # The games have their places already.
+            # The games have their slots already.
             self._limits.check(session, player_id, n_new=0)
             # At once, so that no process gives them away before the next heartbeat.
-            processes.say(session, watched.process, watched.details())
+            processes.report_details(session, watched.process, watched.details())
 
         try:
             await self._committer.run(check)
         except BaseException:
-            self._return_places(n_games, player_id)
+            self._release(n_games, player_id)
             raise
 
-    def _return_places(self, n_games: int, player_id: int) -> None:
+    def _release(self, n_games: int, player_id: int) -> None:
         of_players = self._limits.watched.of_players
         of_players[player_id] -= n_games
         if not of_players[player_id]:
             del of_players[player_id]
 
-    def _give_up_places(self, n_games: int, player_id: int) -> None:
-        self._return_places(n_games, player_id)
+    def _cancel_reservation(self, n_games: int, player_id: int) -> None:
+        self._release(n_games, player_id)
         self._left.set()
         self._left = asyncio.Event()
 
@@ -252,7 +252,7 @@ class WatchHub:
         ).to_conditions()
 
         def take_over(transaction: Session) -> str:
-            # The page may have left meanwhile, and given up its places.
+            # The page may have left meanwhile, and released its slots.
             n_counted = len(session.lanes) if session in self._sessions else 0
             self._limits.check(transaction, plan.player_id, n_counted=n_counted)
             return games.create_taken_over(
@@ -260,8 +260,8 @@ class WatchHub:
             ).id
 
         game_id = await self._committer.run(take_over)
-        taken = Taken(lane=lane.number, game_id=game_id, behaviour_id=plan.behaviour_id)
-        await session.socket.close(Close.GAME_OVER, "You play on.", taken)
+        message = Taken(lane=lane.number, game_id=game_id, behaviour_id=plan.behaviour_id)
+        await session.socket.close(Close.GAME_OVER, "You play on.", message)
         await self.close(session)
 
     def _verify(self, recording: Recording) -> Verified:

@@ -16,9 +16,9 @@ class Lane:
     """One of the games that are watched side by side.
 
     Args:
-        number: Its place, from 0.
+        number: Number of the lane, from 0.
         game: The game.
-        behaviour: What its policy has been taught.
+        behaviour: Behaviour that the policy was taught.
         socket: The page's socket.
     """
 
@@ -56,6 +56,6 @@ class Lane:
             BadMessage: It acknowledges a frame that was not sent.
         """
         self.connection.receive(ack)
-        shown = self.connection.shown_frame
-        if shown != self.game.episode.frame and (self.game.is_over or not is_playing):
+        shown_frame = self.connection.shown_frame
+        if shown_frame != self.game.episode.frame and (self.game.is_over or not is_playing):
             await self.show()

@@ -47,7 +47,7 @@ class WatchRequest:
 
     Attributes:
         run_id: The run whose policies play.
-        actors: Who plays, one game each, side by side.
+        actors: Actors of the games, one each, side by side.
         start_number: The evaluation start; None for one that is drawn.
         draw: Seeds the start and its opening if they are drawn.
         take: 0 plays the games of the run's evaluation; others draw sampled and repeated actions
@@ -325,13 +325,13 @@ def lane_hits_after(
 
 def lane_ended(lane: int, behaviour: Behaviour, episode: Episode) -> LaneEnded:
     """Return the last message of a lane's game, which is over."""
-    found = score(behaviour, tuple(one.cell for one in episode.taken))
+    result = score(behaviour, tuple(item.cell for item in episode.taken))
     return LaneEnded(
         lane=lane,
         reason=str(episode.end),
         frame=episode.frame,
         hits=all_hits(behaviour, episode),
-        targets=None if found is None else found.targets,
-        strays=None if found is None else found.strays,
-        order_errors=None if found is None else found.order_errors,
+        targets=None if result is None else result.targets,
+        strays=None if result is None else result.strays,
+        order_errors=None if result is None else result.order_errors,
     )

@@ -67,7 +67,7 @@ class PolicyClient:
     async def attention(
         self, network: AttentionNetwork, observation: Observation, background: int
     ) -> AttentionMap:
-        """Return what a network looks at in an observation, uint8 (4, 84, 84), by the gradient.
+        """Return a network's attention map of an observation, uint8 (4, 84, 84), by the gradient.
 
         The background is the gray of the game's.
 

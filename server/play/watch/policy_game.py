@@ -26,7 +26,7 @@ class PolicyGame:
 
     Args:
         console: The console to play on.
-        actor: Who plays.
+        actor: Actor of the game.
         beginning: Where the game begins; the policy plays from the end of an opening on.
         end_rule: Name of the rule by which a loss ends it.
         seed: Seeds sampled and repeated actions, together with the start.

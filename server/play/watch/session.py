@@ -64,17 +64,17 @@ class WatchSession:
 
     Args:
         lanes: The games, all at the same frame.
-        start_number: Their evaluation start, if they have one.
+        start_number: Evaluation start of the games, if they have one.
         socket: The page's socket.
         connect: Connects to the run's networks. Actions, rewards and attention maps have a
             connection each, so that no action waits for the others.
-        resources: What all games of the process share; frames' lateness among it.
-        events: What it reports to.
+        resources: Resources shared by all games of the process, frames' lateness among them.
+        events: Receiver of the session's events.
 
     Attributes:
         phase: The current phase: WAITING while paused, PLAYING or ENDED.
         waiting_since: When the current phase began, by the event loop's clock.
-        speed_percent: Of 60 frames a second.
+        speed_percent: Speed in percent of 60 frames a second.
     """
 
     def __init__(
@@ -106,7 +106,9 @@ class WatchSession:
         """Show the games at their beginning."""
         first = self.lanes[0].game.episode
         actors = [lane.game.actor for lane in self.lanes]
-        await self.socket.say(watch_hello(first, actors, self._start_number, self.speed_percent))
+        await self.socket.send_message(
+            watch_hello(first, actors, self._start_number, self.speed_percent)
+        )
         for lane in self.lanes:
             await lane.show()
 
@@ -122,7 +124,7 @@ class WatchSession:
         elif message.type == "pause":
             if self.phase is Phase.PLAYING:
                 await self._activity.stop()
-                await self.socket.say(WatchPaused(why=""))
+                await self.socket.send_message(WatchPaused(why=""))
         elif self.phase is Phase.WAITING and not self._activity.is_running:
             # Not waited for: the page may pause games that wait for a decision.
             self._activity.start(self._play(one_step=message.type == "step"))
@@ -158,14 +160,14 @@ class WatchSession:
         try:
             await self._events.on_take_over(self, lane)
         except TrilError as error:
-            await self.socket.say(WatchPaused(why=str(error)))
+            await self.socket.send_message(WatchPaused(why=str(error)))
 
     async def _play(self, one_step: bool) -> None:
         self.phase = Phase.PLAYING
         why = ""
         try:
             if not one_step:
-                await self.socket.say(Playing())
+                await self.socket.send_message(Playing())
             with self._resources.consoles.loading_suspended():
                 why = await self._advance(one_step)
         except TrilError as error:
@@ -176,9 +178,9 @@ class WatchSession:
             is_stopping = self._activity.stop_requested.is_set()
             self._activity.finish()
         if not self._in_play:
-            await self.socket.say(Finished())
+            await self.socket.send_message(Finished())
         elif not is_stopping:
-            await self.socket.say(WatchPaused(why=why))
+            await self.socket.send_message(WatchPaused(why=why))
 
     async def _advance(self, one_step: bool) -> str:
         """Execute frames until the games are over, stopped or, for one step, at its end.
@@ -189,7 +191,7 @@ class WatchSession:
         Raises:
             TrilError: There are no decisions to go on with.
         """
-        await self._decided()
+        await self._await_decisions()
         frame_rate_hz = self.lanes[0].game.episode.game.clock.frame_rate_hz
         clock = FrameClock("watched", frame_rate_hz, self._resources.lateness)
         while not self._activity.stop_requested.is_set():
@@ -201,7 +203,7 @@ class WatchSession:
             await self._tick()
             if not self._in_play or (one_step and self._in_play[0].game.at_boundary):
                 break
-            await clock.wait(self.speed_percent, self._decided)
+            await clock.wait(self.speed_percent, self._await_decisions)
         return ""
 
     async def _tick(self) -> None:
@@ -209,20 +211,20 @@ class WatchSession:
         for lane in self._in_play:
             hits, scene = await lane.advance()
             for hit in hits:
-                await self.socket.say(hit)
+                await self.socket.send_message(hit)
             await lane.connection.show(scene)
             if lane.game.is_over:
-                await self.socket.say(lane.ended())
+                await self.socket.send_message(lane.ended())
             # Other games of the process may have frames that are due.
             await asyncio.sleep(0)
         if any(lane.game.needs_action for lane in self.lanes):
             self._ask()
 
-    async def _decided(self) -> None:
-        """Wait until the next frame's actions are decided, or the games are to stop.
+    async def _await_decisions(self) -> None:
+        """Wait for the decisions of the next frame's actions, or for the games to stop.
 
         Raises:
-            TrilError: They can't be decided, or time jumped meanwhile.
+            TrilError: No decision is possible, or time jumped meanwhile.
         """
         if not any(lane.game.needs_action for lane in self.lanes):
             return
@@ -230,22 +232,22 @@ class WatchSession:
         if asking is None or asking.done():
             asking = self._ask()
         stopped = asyncio.create_task(self._activity.stop_requested.wait())
-        both: set[asyncio.Task[Any]] = {asking, stopped}
+        tasks: set[asyncio.Task[Any]] = {asking, stopped}
         jumps = JumpDetector()
         is_said = False
         try:
             while True:
                 done, _ = await asyncio.wait(
-                    both, timeout=PATIENCE_S, return_when="FIRST_COMPLETED"
+                    tasks, timeout=PATIENCE_S, return_when="FIRST_COMPLETED"
                 )
                 jumps.check(PATIENCE_S)
                 if done:
                     break
                 if not is_said:
-                    await self.socket.say(Waiting())
+                    await self.socket.send_message(Waiting())
                     is_said = True
             if is_said:
-                await self.socket.say(Playing())
+                await self.socket.send_message(Playing())
         finally:
             stopped.cancel()
         if asking.done():
@@ -274,7 +276,7 @@ class WatchSession:
         # Now, since the processor is free until the step is complete.
         self._ask_for_rewards(lanes, observations)
         for decision in decisions:
-            await self.socket.say(decision)
+            await self.socket.send_message(decision)
 
     def _ask_for_rewards(self, lanes: Sequence[Lane], observations: Observations) -> None:
         """Ask for R of the games' states, unless the last answer is new or still to come."""
@@ -305,7 +307,7 @@ class WatchSession:
             return
         deviations = judged.deviations
         for index, (lane, frame) in enumerate(zip(lanes, frames, strict=True)):
-            await self.socket.say(
+            await self.socket.send_message(
                 LaneReward(
                     lane=lane.number,
                     frame=frame,

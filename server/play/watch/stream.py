@@ -39,7 +39,7 @@ async def watch(
     await websocket.accept()
     socket = WatchSocket(websocket)
     watching = services_of(websocket).watching
-    async with heartbeat(socket.say):
+    async with heartbeat(socket.send_message):
         try:
             request = parse_request(str(run_id), player, start, draw, take)
             session = await watching.open(request, socket, identity_of(websocket).player_id)

@@ -25,10 +25,10 @@ class WatchSocket:
         self._lock = asyncio.Lock()
         self.is_open = True
 
-    async def say(self, message: Message) -> None:
+    async def send_message(self, message: Message) -> None:
         """Send a text message, unless the page has gone."""
         async with self._lock:
-            await self._say(message)
+            await self._send(message)
 
     async def send_frame(self, lane: int, data: bytes) -> None:
         """Send a lane's FRAME; raises as the WebSocket if the page has gone."""
@@ -39,7 +39,7 @@ class WatchSocket:
         """Close the socket after a last message, unless the page has gone."""
         async with self._lock:
             if last_message is not None:
-                await self._say(last_message)
+                await self._send(last_message)
             if not self.is_open:
                 return
             self.is_open = False
@@ -48,7 +48,7 @@ class WatchSocket:
             except GONE:
                 return
 
-    async def _say(self, message: Message) -> None:
+    async def _send(self, message: Message) -> None:
         if not self.is_open:
             return
         try:

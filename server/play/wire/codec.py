@@ -22,7 +22,7 @@ class EncodedFrame:
     """One encoded screen.
 
     Attributes:
-        is_key: Whether it decodes without the previous screen.
+        is_key: Whether the frame decodes without the previous screen.
         payload: zlib stream of the screen's bytes: palette values, or red, green and blue, row by
             row from the top, XOR those of the previous screen (all zeros for a key frame).
     """

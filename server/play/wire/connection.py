@@ -101,8 +101,8 @@ class Connection:
 
     def take_latencies(self) -> list[tuple[int, float]]:
         """Return and clear (frame, ms from a key's event to the frame's drawing)."""
-        taken, self._latencies = self._latencies, []
-        return taken
+        latencies, self._latencies = self._latencies, []
+        return latencies
 
     def receive(self, message: InputMessage | AckMessage) -> None:
         """Process an input or an acknowledgement.

@@ -29,7 +29,7 @@ def greeting(behaviour: Behaviour, episode: Episode, epoch: int, speed_percent: 
 
 
 def overlay_layout(game: Game) -> OverlayLayout | None:
-    """Return what the page may draw over the screens of a game."""
+    """Return the layout of the page's overlay for a game."""
     if game.overlay is None:
         return None
     return OverlayLayout(painter=game.overlay.painter, geometry=dict(game.overlay.geometry))
@@ -40,12 +40,12 @@ def hits_after(behaviour: Behaviour, episode: Episode, n_known: int) -> list[Hit
     messages = []
     cells = _cells(episode)
     for n, hit in enumerate(episode.taken[n_known:], start=n_known + 1):
-        found = score(behaviour, cells[:n])
+        result = score(behaviour, cells[:n])
         messages.append(
             HitMessage(
                 **_hit(behaviour, hit).model_dump(),
-                targets=None if found is None else found.targets,
-                strays=None if found is None else found.strays,
+                targets=None if result is None else result.targets,
+                strays=None if result is None else result.strays,
             )
         )
     return messages
@@ -57,19 +57,19 @@ def outcome(
     """Return the last message of a game.
 
     Args:
-        behaviour: What was to be demonstrated.
+        behaviour: Behaviour to demonstrate.
         episode: The game.
-        recording_id: Its recording.
+        recording_id: Recording of the game.
         refusal: Why the recording does not replay; None if it does.
     """
-    found = score(behaviour, _cells(episode))
+    result = score(behaviour, _cells(episode))
     return Ended(
         reason=episode.end,
         frame=episode.frame,
         hits=all_hits(behaviour, episode),
-        targets=None if found is None else found.targets,
-        strays=None if found is None else found.strays,
-        order_errors=None if found is None else found.order_errors,
+        targets=None if result is None else result.targets,
+        strays=None if result is None else result.strays,
+        order_errors=None if result is None else result.order_errors,
         recording_id=recording_id,
         verification="verified" if refusal is None else "failed",
         verification_note=refusal or "",
@@ -81,11 +81,11 @@ def all_hits(behaviour: Behaviour, episode: Episode) -> list[HitAt]:
     return [_hit(behaviour, hit) for hit in episode.taken]
 
 
-def _hit(behaviour: Behaviour, taken: Taken) -> HitAt:
+def _hit(behaviour: Behaviour, item: Taken) -> HitAt:
     target = behaviour.target
-    on_target = None if target is None else taken.cell in target
-    return HitAt(row=taken.row, column=taken.column, frame=taken.frame, on_target=on_target)
+    on_target = None if target is None else item.cell in target
+    return HitAt(row=item.row, column=item.column, frame=item.frame, on_target=on_target)
 
 
 def _cells(episode: Episode) -> tuple[Cell, ...]:
-    return tuple(one.cell for one in episode.taken)
+    return tuple(item.cell for item in episode.taken)

@@ -54,7 +54,7 @@ class FrameMessage:
         frame: Executed frames of the game; 0 is the start's screen.
         input_sequence: The newest input that a frame was executed with.
         encoded: The screen.
-        marks: What the overlay needs of this frame; two bytes.
+        marks: Overlay data of the frame; two bytes.
         has_counted: Whether one of the game's counters has risen since the previous FRAME.
     """
 

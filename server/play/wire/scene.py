@@ -16,7 +16,7 @@ class Scene:
     Attributes:
         frame: Executed frames; 0 is the start.
         screen: The screen.
-        marks: What the overlay needs of this frame; two bytes.
+        marks: Overlay data of the frame; two bytes.
         counted: Sum of the game's counters so far.
     """
 

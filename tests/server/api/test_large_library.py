@@ -9,7 +9,7 @@ import pytest
 from sqlalchemy import func, insert, select
 from starlette.testclient import TestClient
 
-from server.change_stream import MOST_RECORDINGS, _together
+from server.change_stream import MOST_RECORDINGS, _coalesced
 from testsupport.libraries import rows_of
 from testsupport.workplace import Workplace
 from tril.exchange.recording_transfer import export_recordings
@@ -170,7 +170,7 @@ def test_an_export_holds_few_recordings_in_memory(client: TestClient, workplace:
 
 def test_a_page_is_told_of_many_recordings_as_one_library() -> None:
     few = [("recording", str(key)) for key in range(MOST_RECORDINGS)]
-    assert list(_together(few)) == few
+    assert list(_coalesced(few)) == few
     many = [*few, ("ranking", "1"), ("recording", "777")]
-    assert list(_together(many)) == [("ranking", "1"), ("library", "")]
+    assert list(_coalesced(many)) == [("ranking", "1"), ("library", "")]
     assert MAX_NOTED_ONE_BY_ONE <= library.MAX_CHANGED

@@ -270,7 +270,7 @@ def fill_with_results(workplace: Workplace) -> str:
         )
         assert outcome.check is not None
         headline = Headline(**outcome.check.figures, imitator=summarise(found), clone=None)
-        row_of_run.outcome = outcome.with_those_of(RunOutcome(headline=headline))
+        row_of_run.outcome = outcome.updated_with(RunOutcome(headline=headline))
         for kind, suffix in (
             ("attention_map", ""),
             ("attention_red_blue", "-red-blue"),

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from server.play.session import clock
-from server.play.session.clock import MAX_GAP_S, JumpDetector, StoodStill
+from server.play.session.clock import MAX_GAP_S, JumpDetector, ProcessSuspended
 from server.play.wire.protocol import Alive, Countdown, FrameMessage, Hello, Paused
 from testsupport.live import GameClient, LiveServer, join
 from testsupport.processes import TrilProcess, server_process
@@ -116,7 +116,7 @@ def test_a_detector_notices_gaps_and_no_plans(monkeypatch: pytest.MonkeyPatch) -
     jumps.restart()
     jumps.check(0.0)
     now += MAX_GAP_S + 0.1
-    with pytest.raises(StoodStill, match="1 s"):
+    with pytest.raises(ProcessSuspended, match="1 s"):
         jumps.check(0.0)
     jumps.check(0.0)
 

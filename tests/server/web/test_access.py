@@ -299,7 +299,7 @@ def test_a_key_lets_a_script_in_until_it_is_revoked(live: LiveServer) -> None:
 
 
 def _saved_seen(live: LiveServer, credential_id: int) -> bool:
-    asyncio.run(live.services.access.save_seen())
+    asyncio.run(live.services.access.save_last_use())
     with live.database.reading() as session:
         return session.get_one(CredentialRow, credential_id).seen_at is not None
 

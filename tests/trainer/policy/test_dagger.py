@@ -83,7 +83,7 @@ def test_the_labels_are_what_the_demonstrator_does_from_each_state(
     played: Callable[..., LabelledGame],
 ) -> None:
     one = played(Erratic(), 0.0)
-    labels, done = one.seen.actions.tolist(), step_actions(one.executed, 4).tolist()
+    labels, done = one.trajectory.actions.tolist(), step_actions(one.executed, 4).tolist()
     assert len(set(labels)) > 2
     # Wherever the label was not what was done, the expert was taken somewhere new, and plans for
     # the targets that are left as the demonstrator would.
@@ -114,10 +114,10 @@ def test_the_expert_alone_shows_the_behaviour_and_agrees_with_itself(
     played: Callable[..., LabelledGame],
 ) -> None:
     one = played(None, 1.0)
-    assert [hit.cell for hit in one.seen.taken] == list(COLUMN_2.target or ())
-    assert one.seen.end == EndReason.STEPS
+    assert [hit.cell for hit in one.trajectory.taken] == list(COLUMN_2.target or ())
+    assert one.trajectory.end == EndReason.STEPS
     assert one.agreed is None
-    np.testing.assert_array_equal(step_actions(one.executed, 4), one.seen.actions)
+    np.testing.assert_array_equal(step_actions(one.executed, 4), one.trajectory.actions)
     assert idle_frames(one.start) in TRAINING_IDLE_FRAMES
 
 
@@ -125,7 +125,7 @@ def test_the_share_of_the_experts_steps_is_what_was_asked_for(
     played: Callable[..., LabelledGame],
 ) -> None:
     half = played(Firing(), 0.5)
-    done, labels = step_actions(half.executed, 4), half.seen.actions
+    done, labels = step_actions(half.executed, 4), half.trajectory.actions
     differs = labels != 1
     assert 0.3 < (done[differs] == labels[differs]).mean() < 0.7
     assert half.agreed == pytest.approx((labels == 1).mean())
@@ -136,8 +136,8 @@ def test_a_games_observations_come_back_from_its_actions(
 ) -> None:
     one = played(Firing(), 0.2)
     again = trajectory(Recording(SPACE_INVADERS, one.start, one.executed))
-    np.testing.assert_array_equal(again.observations, one.seen.observations)
-    assert (again.taken, again.end) == (one.seen.taken, one.seen.end)
+    np.testing.assert_array_equal(again.observations, one.trajectory.observations)
+    assert (again.taken, again.end) == (one.trajectory.taken, one.trajectory.end)
 
 
 @pytest.fixture(scope="module")
@@ -287,7 +287,7 @@ def test_corrections_make_a_policy_agree_with_the_expert(
     beginner = Policy(new_policy("small", 6, 1e-3, np.random.default_rng(0)))
     games = [played(None, 1.0, seed) for seed in range(4)] + [played(beginner, 0.3, 4)]
     learned, _ = train_clone(
-        [game.seen for game in games],
+        [game.trajectory for game in games],
         6,
         CloningRecipe(network="small", learning_rate=1e-3, epochs=3, validation_share=0.0),
         0,

@@ -28,7 +28,7 @@ from tril.errors import Invalid
 from tril.games.atari.starts import TRAINING_IDLE_FRAMES
 from tril.games.base import start_of
 from tril.games.space_invaders import SPACE_INVADERS
-from tril.recipes import DAGGER, FAST, judged_where_trained, with_values
+from tril.recipes import DAGGER, FAST, evaluated_on_own_start, with_values
 
 
 @pytest.fixture(scope="module")
@@ -142,9 +142,9 @@ def test_snapshots_are_judged_on_training_starts_only() -> None:
 
 
 def test_the_published_protocol_trains_and_judges_on_one_start() -> None:
-    recipe = judged_where_trained(FAST, 2)
+    recipe = evaluated_on_own_start(FAST, 2)
     assert snapshot_starts(SPACE_INVADERS, recipe) == [evaluation_start(2)]
     assert training_starts(SPACE_INVADERS, recipe) == (evaluation_start(2),)
     assert (recipe.evaluation.start_numbers, recipe.evaluation.further_start_numbers) == ((2,), ())
     with pytest.raises(Invalid, match="DAgger"):
-        judged_where_trained(DAGGER, 2)
+        evaluated_on_own_start(DAGGER, 2)

@@ -18,8 +18,8 @@ from trainer.policy.networks import PRETRAINED, new_policy, pretrained_policy
 from trainer.policy.pretraining import (
     NoReward,
     death_rate,
-    learn_to_see,
-    learn_to_survive,
+    pretrain_survival,
+    pretrain_vision,
 )
 from trainer.policy.reward_shaping import RewardShaping
 from trainer.progress import NullProgress
@@ -34,13 +34,13 @@ def test_it_learns_to_see_and_then_to_survive(
     short = {"policy.n_envs": 2, "policy.n_steps": 64, "policy.snapshot_episodes": 1}
     monkeypatch.setattr(pretraining, "RECIPE", with_values(pretraining.RECIPE, short))
     screens = play_games(5, seed=5, n_processes=1, look_ahead=True)
-    policy, figures = learn_to_see(screens, seed=0)
+    policy, figures = pretrain_vision(screens, seed=0)
     assert figures["bits"]["n_flags"] == len(screens.varying())
     assert figures["hits"]["n_flags"] + figures["shots"]["n_flags"] == N_OUTCOMES
     assert 0.5 < figures["bits"]["accuracy"] <= 1.0
     games = [play_varied(np.random.default_rng(0)).recording]
     # Two rollouts: the learning rate is zero in the last one.
-    survivor = learn_to_survive(policy, games, 256, seed=0, folder=tmp_path)
+    survivor = pretrain_survival(policy, games, 256, seed=0, folder=tmp_path)
     before, after = policy.state_dict(), survivor.state_dict()
     assert {name: one.shape for name, one in before.items()} == {
         name: one.shape for name, one in after.items()

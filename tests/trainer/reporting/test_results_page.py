@@ -11,7 +11,7 @@ from tests.trainer.reporting.entries import entry, game
 from trainer.reporting.ledger import DEVICE, PRECISION, Entry, Ledger
 from trainer.reporting.results_page import cell_folder, page_text, write_page
 from trainer.reporting.skilled_games import Experiment, Extrapolation, SkilledGame
-from tril.recipes import FAST, Recipe, judged_where_trained, with_values
+from tril.recipes import FAST, Recipe, evaluated_on_own_start, with_values
 
 PUBLISHED = Path(__file__).parents[3] / "docs" / "results"
 ROW = "| 6 + 0 | 6 + 0 | 5 + 0 | 5 + 1 | 2 + 0 ✗ | 3 + 0 | tie / imitator / clone | float32 |"
@@ -75,7 +75,7 @@ def test_a_behaviours_pictures_are_of_its_longest_training(tmp_path: Path) -> No
 
 
 def test_policies_trained_on_their_start_have_a_table_of_their_own(tmp_path: Path) -> None:
-    own = [entry(recipe=judged_where_trained(FAST, start)) for start in (0, 2)]
+    own = [entry(recipe=evaluated_on_own_start(FAST, start)) for start in (0, 2)]
     for one in own:
         (tmp_path / cell_folder(one)).mkdir(parents=True)
         (tmp_path / cell_folder(one) / "README.md").touch()

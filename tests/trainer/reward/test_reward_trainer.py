@@ -17,7 +17,7 @@ from tests.trainer.samples import (
 )
 from trainer.progress import NullProgress, RunCancelled
 from trainer.reward import reward_trainer
-from trainer.reward.check import are_told_apart, check_ranking
+from trainer.reward.check import are_distinguished, check_ranking
 from trainer.reward.model import RewardModel, predicted_return
 from trainer.reward.preference_dataset import PreferenceDataset
 from trainer.reward.reward_trainer import RewardTrainer, train_reward_model
@@ -99,7 +99,7 @@ def test_two_tiers_without_a_difference_are_not_told_apart_though_the_check_pass
 
 def test_the_fewer_comparisons_the_closer_to_chance_they_have_to_be() -> None:
     bounds = {
-        n: max(right for right in range(n + 1) if not are_told_apart(right, n))
+        n: max(right for right in range(n + 1) if not are_distinguished(right, n))
         for n in (1, 2, 3, 6, 10, 20, 1000)
     }
     assert bounds == {1: 0, 2: 1, 3: 1, 6: 4, 10: 7, 20: 15, 1000: 781}

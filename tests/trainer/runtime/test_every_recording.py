@@ -13,7 +13,7 @@ from server.play.replays.products import frames_file, thumbnail_png
 from server.play.session.rewind import Checkpoints
 from testsupport.space_invaders import evaluation_start
 from testsupport.workplace import TINY, Workplace
-from trainer.policy.imitator import _actions_under
+from trainer.policy.imitator import _truncated_actions
 from trainer.runtime.pipeline import Pipeline
 from tril.exchange import recording_transfer
 from tril.games.atari.starts import AtariStart
@@ -63,9 +63,9 @@ def test_the_kinds_end_as_they_are_meant_to(kinds: dict[str, Recording]) -> None
 def test_a_demonstration_is_cut_where_the_training_games_would_end(
     kinds: dict[str, Recording],
 ) -> None:
-    assert _actions_under(Ending.HIT, kinds["lives"]) == kinds["hit"].actions
-    assert _actions_under(Ending.LIFE_COUNTER, kinds["lives"]) == kinds["lives"].actions
-    assert _actions_under(Ending.LIFE_COUNTER, kinds["hit"]) == kinds["hit"].actions
+    assert _truncated_actions(Ending.HIT, kinds["lives"]) == kinds["hit"].actions
+    assert _truncated_actions(Ending.LIFE_COUNTER, kinds["lives"]) == kinds["lives"].actions
+    assert _truncated_actions(Ending.LIFE_COUNTER, kinds["hit"]) == kinds["hit"].actions
 
 
 def test_every_kind_is_shown_and_rewound(kinds: dict[str, Recording]) -> None:

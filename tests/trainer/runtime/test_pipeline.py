@@ -28,9 +28,9 @@ from trainer.runtime.pipeline import (
 from trainer.runtime.run_data import RunData
 from trainer.runtime.scratch import own_scratch_folder
 from trainer.runtime.stages import STAGE_WORK, demonstrations, learning
-from trainer.runtime.stages.evaluation import starts_seen
+from trainer.runtime.stages.evaluation import demonstrated_starts
 from trainer.runtime.stages.snapshots import keep_snapshot
-from trainer.runtime.worker import sweep_until
+from trainer.runtime.worker import sweep_periodically
 from tril.analysis.outcome import RunOutcome, RunSnapshot
 from tril.demonstrators import example_tasks
 from tril.errors import Invalid, Unavailable
@@ -245,7 +245,7 @@ def test_the_folder_of_a_run_that_another_machine_has_finished_goes_while_the_wo
     folder = workplace.settings.data / "runs" / run_id
     (folder / "1").mkdir(parents=True)
     stopping = threading.Event()
-    sweeping = threading.Thread(target=sweep_until, args=(stopping, pipeline, 0.01))
+    sweeping = threading.Thread(target=sweep_periodically, args=(stopping, pipeline, 0.01))
     sweeping.start()
     try:
         with workplace.database.writing() as session:
@@ -352,7 +352,7 @@ def test_what_a_parent_has_learned_from_is_not_held_out_from_its_children(
         runs.delete(session, grandparent)
     seen: list[set[int]] = []
     monkeypatch.setitem(
-        STAGE_WORK, Stage.TRAJECTORIES, lambda data, _: seen.append(starts_seen(data))
+        STAGE_WORK, Stage.TRAJECTORIES, lambda data, _: seen.append(demonstrated_starts(data))
     )
     for run_id in (child, parent, alone):
         pipeline.train(run_id, only(pipeline, Stage.TRAJECTORIES))

@@ -33,7 +33,7 @@ from tril.games.space_invaders import SPACE_INVADERS
 from tril.games.space_invaders.ends import Ending, EndReason
 from tril.jobs import Jobs, overall_progress
 from tril.jobs.delivery import LOST_AFTER_S
-from tril.recipes import judged_where_trained, with_values
+from tril.recipes import evaluated_on_own_start, with_values
 from tril.recording import verify
 from tril.stages import stages_of
 from tril.store import processes, recordings
@@ -69,7 +69,7 @@ def is_in(workplace: Workplace, run_id: str, stage: str) -> bool:
 def test_a_policy_judged_where_it_was_trained_claims_nothing_held_out(
     workplace: Workplace, jobs: Jobs, zygote: Zygote
 ) -> None:
-    recipe = with_values(judged_where_trained(TINY, 1), {"ending": "life_counter"})
+    recipe = with_values(evaluated_on_own_start(TINY, 1), {"ending": "life_counter"})
     run_id = workplace.make_run(recipe, steps=64)
     jobs.enqueue(run_id)
     with zygote.running(workplace.settings.data) as worker:

@@ -55,7 +55,7 @@ def test_what_the_first_version_stored_is_read_and_kept_as_it_is(workplace: Work
     assert outcome.imitator == ImitatorOutcome(best_steps=256)
     assert outcome.example is None
     with workplace.database.writing() as session:
-        runs.get(session, run_id).outcome = outcome.with_those_of(RunOutcome())
+        runs.get(session, run_id).outcome = outcome.updated_with(RunOutcome())
     assert stored(workplace, run_id) == FOUND_BY_THE_FIRST_VERSION
 
 
@@ -65,7 +65,7 @@ def test_an_outcome_is_the_same_after_it_was_stored(workplace: Workplace) -> Non
     game = GameFigures(4, 1, 0, 200, died=True, predicted_return=3.5)
     assert first.headline is not None
     headline = first.headline.model_copy(update={"imitator": summarise([game, game])})
-    outcome = first.with_those_of(RunOutcome(headline=headline))
+    outcome = first.updated_with(RunOutcome(headline=headline))
     with workplace.database.writing() as session:
         runs.get(session, run_id).outcome = outcome
     assert workplace.run(run_id).outcome == outcome

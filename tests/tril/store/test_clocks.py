@@ -54,7 +54,7 @@ def test_the_run_that_was_made_first_is_first(workplace: Workplace, error: timed
         second = workplace.make_run()
     third = workplace.make_run()
     with workplace.database.reading() as session:
-        assert [row.id for row in runs.not_over(session)] == [first, second, third]
+        assert [row.id for row in runs.unfinished(session)] == [first, second, third]
 
 
 def test_a_run_does_not_end_before_it_began(workplace: Workplace, error: timedelta) -> None:

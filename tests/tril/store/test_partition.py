@@ -16,7 +16,7 @@ from testsupport.faults.members import PostgresMember
 from testsupport.faults.network import MAIN, Network
 from testsupport.postgres import ROLE
 from tril.store import database as databases
-from tril.store.database import create_database, is_away
+from tril.store.database import create_database, is_unreachable
 
 QUICK = {"keepalives_idle": "1", "keepalives_interval": "1", "tcp_user_timeout": "3000"}
 PATIENCE_S = 30.0
@@ -73,7 +73,7 @@ def test_who_waits_for_an_answer_that_was_lost_is_told(
     asking.join(PATIENCE_S)
     (problem,) = found
     assert isinstance(problem, OperationalError)
-    assert is_away(problem)
+    assert is_unreachable(problem)
     network.join("database")
     with database.reading() as session:
         assert session.scalar(text("SELECT 1")) == 1

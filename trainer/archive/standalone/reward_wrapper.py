@@ -91,11 +91,16 @@ class RewardModel:
         if len(model["offsets"]) != 1:
             raise ValueError(f"{path} has an ensemble, which this program does not read.")
         (self._offset,), (self._scale,) = model["offsets"], model["scales"]
-        own = {name.removeprefix("0."): w for name, w in weights.items() if name.startswith("0.")}
-        n_flags, n_features = len(own.get("memory.bias", ())), own["output.weight"].shape[1]
+        layers = {
+            name.removeprefix("0."): w for name, w in weights.items() if name.startswith("0.")
+        }
+        n_flags, n_features = (
+            len(layers.get("memory.bias", ())),
+            layers["output.weight"].shape[1],
+        )
         order = model.get("order", "gaps") if n_features > n_flags > 0 else ""
         self._network = RewardNetwork(n_flags, n_features, order)
-        self._network.load_state_dict(own)
+        self._network.load_state_dict(layers)
         self._network.eval()
 
     def score(self, observations: Observation) -> npt.NDArray[np.float32]:
@@ -143,7 +148,7 @@ class LearnedReward(gymnasium.Wrapper[Observation, Any, Observation, Any]):
 
     def step(self, action: Any) -> tuple[Observation, SupportsFloat, bool, bool, dict[str, Any]]:
         """Step the environment and add the learned reward to its own."""
-        observation, own, terminated, truncated, info = self.env.step(action)
+        observation, own_reward, terminated, truncated, info = self.env.step(action)
         learned = float(self._model.score(observation[None])[0])
-        reward = self._own_share * float(own) + self._learned_share * learned
+        reward = self._own_share * float(own_reward) + self._learned_share * learned
         return observation, reward, terminated, truncated, info | {"learned_reward": learned}

@@ -46,7 +46,7 @@ class Lookahead:
         self._episode = Episode(console, AtariStart(0), max_frames=_NO_END)
 
     def outcomes(self, state: EpisodeState) -> npt.NDArray[np.bool_]:
-        """Return what each move leads to from a saved game, between two steps.
+        """Return the outcomes of each move from a saved game, between two steps.
 
         Returns:
             bool (N_OUTCOMES,): for each move whether the cannon is hit within each number of
@@ -59,9 +59,9 @@ class Lookahead:
         for move, (first, further) in enumerate(MOVES if state.end is None else ()):
             died_after = self._play(state, first, further)
             hits[move] = [died_after <= steps for steps in HIT_WITHIN]
-            new = self._episode.taken[len(state.taken) :]
-            if new and not state.readout["missile_in_air"]:
-                shots[move, new[0].row, new[0].column] = True
+            new_hits = self._episode.taken[len(state.taken) :]
+            if new_hits and not state.readout["missile_in_air"]:
+                shots[move, new_hits[0].row, new_hits[0].column] = True
         return np.concatenate([hits.ravel(), shots.ravel()])
 
     def _play(self, state: EpisodeState, first: Action, further: Action) -> int:

@@ -53,7 +53,7 @@ class Targets:
     """Flags that a network learns to predict from screens.
 
     Attributes:
-        name: What figures call them.
+        name: Name in figures.
         flags: bool (N, K).
         weight: Factor on their mean loss.
     """
@@ -70,9 +70,9 @@ class Screens:
     Attributes:
         observations: uint8 (N, 4, 84, 84).
         bits: Bits of the memory, bool (N, 1024).
-        games: Which game each is from, int64 (N,), ascending.
-        outcomes: What each move would lead to, see Lookahead, bool (N, M); M is 0 if nobody looked.
-        standing: Which aliens of the full grid are left, row by row, bool (N, 36).
+        games: Game of each screen, int64 (N,), ascending.
+        outcomes: Outcomes of each move, see Lookahead, bool (N, M); M is 0 without lookahead.
+        standing: Remaining aliens of the full grid, row by row, bool (N, 36).
     """
 
     observations: Observations
@@ -81,31 +81,31 @@ class Screens:
     outcomes: npt.NDArray[np.bool_]
     standing: npt.NDArray[np.bool_]
 
-    def with_games(self, more: Screens) -> Screens:
+    def with_games(self, other: Screens) -> Screens:
         """Return these screens with those of more games."""
         n_games = int(self.games[-1]) + 1
         return Screens(
-            np.concatenate([self.observations, more.observations]),
-            np.concatenate([self.bits, more.bits]),
-            np.concatenate([self.games, more.games + n_games]),
-            np.concatenate([self.outcomes, more.outcomes]),
-            np.concatenate([self.standing, more.standing]),
+            np.concatenate([self.observations, other.observations]),
+            np.concatenate([self.bits, other.bits]),
+            np.concatenate([self.games, other.games + n_games]),
+            np.concatenate([self.outcomes, other.outcomes]),
+            np.concatenate([self.standing, other.standing]),
         )
 
-    def memory(self, which: npt.NDArray[np.int64]) -> Targets:
+    def memory(self, indices: npt.NDArray[np.int64]) -> Targets:
         """Return these bits of the memory as what is predicted."""
-        return Targets("bits", self.bits[:, which])
+        return Targets("bits", self.bits[:, indices])
 
     def hits(self) -> Targets:
         """Return whether the cannon would be hit as what is predicted."""
         return Targets("hits", self.outcomes[:, :N_HITS], HITS_WEIGHT)
 
     def shots(self) -> Targets:
-        """Return which alien a shot would hit as what is predicted."""
+        """Return the alien that a shot would hit, as targets."""
         return Targets("shots", self.outcomes[:, N_HITS:], SHOTS_WEIGHT)
 
     def aliens(self) -> Targets:
-        """Return which aliens are left as what is predicted."""
+        """Return the remaining aliens, as targets."""
         return Targets("aliens", self.standing)
 
     def varying(self) -> npt.NDArray[np.int64]:
@@ -129,7 +129,7 @@ def play_games(
     """Play games and keep some of their states.
 
     Args:
-        n_games: How many games.
+        n_games: Number of games.
         seed: Seeds all draws.
         n_processes: Processes that play; affects the speed only.
         player: Plays each; a function of a module.
@@ -141,7 +141,7 @@ def play_games(
             pool.map(partial(_play_game, seed, player, look_ahead), range(n_games), chunksize=8)
         )
     observations, bits, outcomes, standing = zip(*played, strict=True)
-    lengths = [len(one) for one in bits]
+    lengths = [len(game_bits) for game_bits in bits]
     return Screens(
         np.concatenate(observations),
         np.concatenate(bits),
@@ -157,7 +157,7 @@ def _play_game(
     rng = np.random.default_rng([seed, number])
     console = _console()
     recording = player(rng, console).recording
-    kept = slice(int(rng.integers(KEPT_STEPS)), None, KEPT_STEPS)
+    sampled_steps = slice(int(rng.integers(KEPT_STEPS)), None, KEPT_STEPS)
     memory: list[npt.NDArray[np.uint8]] = []
     standing: list[npt.NDArray[np.bool_]] = []
     states: list[EpisodeState] = []
@@ -171,19 +171,19 @@ def _play_game(
 
     replay(recording, console, look)
     observations = trajectory(recording, console).observations[: len(memory)]
-    bits = np.unpackbits(np.array(memory[kept]), axis=1).astype(np.bool_)
-    outcomes = [_lookahead().outcomes(state) for state in states[kept]]
+    bits = np.unpackbits(np.array(memory[sampled_steps]), axis=1).astype(np.bool_)
+    outcomes = [_lookahead().outcomes(state) for state in states[sampled_steps]]
     shape = (len(bits), N_OUTCOMES if look_ahead else 0)
     outcomes_of_moves = np.array(outcomes, np.bool_).reshape(shape)
-    return observations[kept], bits, outcomes_of_moves, np.array(standing[kept])
+    return observations[sampled_steps], bits, outcomes_of_moves, np.array(standing[sampled_steps])
 
 
 def _standing(episode: Episode) -> npt.NDArray[np.bool_]:
-    """Return which aliens of the full grid are left, bool (36,)."""
-    left = np.ones((ROWS, COLUMNS), np.bool_)
+    """Return the remaining aliens of the full grid, bool (36,)."""
+    standing = np.ones((ROWS, COLUMNS), np.bool_)
     for hit in episode.taken:
-        left[hit.row, hit.column] = False
-    return left.ravel()
+        standing[hit.row, hit.column] = False
+    return standing.ravel()
 
 
 @cache
@@ -196,7 +196,7 @@ def _lookahead() -> Lookahead:
     return Lookahead(SPACE_INVADERS.make_console())
 
 
-def learn_to_read(
+def train_readings(
     read: Callable[[Tensor], Tensor],
     weights: Iterable[nn.Parameter],
     screens: Screens,
@@ -209,9 +209,9 @@ def learn_to_read(
     Args:
         read: Returns the logits of all targets, one after another, float32 (N, K), of screens,
             uint8 (N, 4, 84, 84) in channels-last order.
-        weights: What is learned.
-        screens: What it is learned from.
-        targets: What is predicted.
+        weights: Parameters to learn.
+        screens: Screens to learn from.
+        targets: Targets to predict.
         n_epochs: Passes over the screens.
         rng: Source of the order of the screens.
 
@@ -222,10 +222,13 @@ def learn_to_read(
         and the number "n_flags".
     """
     inputs = channels_last_screens(screens.observations)
-    flags = torch.from_numpy(np.concatenate([one.flags for one in targets], axis=1))
-    sizes = [one.flags.shape[1] for one in targets]
+    flags = torch.from_numpy(np.concatenate([target.flags for target in targets], axis=1))
+    sizes = [target.flags.shape[1] for target in targets]
     importance = torch.cat(
-        [torch.full((size,), one.weight / size) for one, size in zip(targets, sizes, strict=True)]
+        [
+            torch.full((size,), target.weight / size)
+            for target, size in zip(targets, sizes, strict=True)
+        ]
     )
     held_out = screens.games % HELD_OUT == 0
     learned, tested = np.flatnonzero(~held_out), np.flatnonzero(held_out)
@@ -246,7 +249,7 @@ def learn_to_read(
         logits = torch.cat([read(take_screens(inputs, batch)) for batch in batches])
     truth = flags[torch.from_numpy(tested)].float()
     parts = zip(targets, torch.split(logits, sizes, 1), torch.split(truth, sizes, 1), strict=True)
-    return {one.name: _figures(predicted, true) for one, predicted, true in parts}
+    return {target.name: _figures(predicted, true) for target, predicted, true in parts}
 
 
 def _figures(logits: Tensor, truth: Tensor) -> dict[str, float]:

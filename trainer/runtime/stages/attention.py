@@ -39,17 +39,17 @@ def draw_attention(data: RunData, progress: Progress) -> None:
     for index, state in enumerate(states):
         part = ScaledProgress(progress, index / len(states), (index + 1) / len(states))
         _draw_state(data, state, console, rng, part)
-    _sum_up(data)
+    _write_summary(data)
 
 
 def _keep_percentiles(data: RunData, rewards: Sequence[npt.NDArray[np.float32]]) -> None:
     """Keep the states at all percentiles of R, so that the page can lead to any of them."""
     ranked = data.snapshot.ranked
-    found = states_at(rewards, [percentile / 100 for percentile in range(101)])
+    states = states_at(rewards, [percentile / 100 for percentile in range(101)])
     details = RewardPercentiles(
         states=[
             RewardState(reward=reward, recording_id=ranked[index], step=step)
-            for index, step, reward in found
+            for index, step, reward in states
         ]
     )
     data.context.save_artifact(
@@ -100,16 +100,16 @@ def _draw_state(
 def screen_at(recording: Recording, step: int, console: Console) -> npt.NDArray[np.uint8]:
     """Return the screen, uint8 (height, width, 3) RGB, that a step of a recording ended on."""
     game = recording.game
-    found: list[npt.NDArray[np.uint8]] = []
+    screens: list[npt.NDArray[np.uint8]] = []
 
     def look(episode: Episode) -> None:
         # A step that the episode's end cut short ends on the last frame.
         if episode.frame == min(step * game.clock.frames_per_step, recording.n_frames):
             screen, palette = console.screen(), game.screen.palette
-            found.append(screen if palette is None else palette[screen])
+            screens.append(screen if palette is None else palette[screen])
 
     replay(recording, console, look)
-    return found[0]
+    return screens[0]
 
 
 def _npy(values: npt.NDArray[np.float32]) -> bytes:
@@ -118,7 +118,7 @@ def _npy(values: npt.NDArray[np.float32]) -> bytes:
     return target.getvalue()
 
 
-def _sum_up(data: RunData) -> None:
+def _write_summary(data: RunData) -> None:
     context = data.context
     folder = context.stage_folder("attention")
     page = write_report(context.database, context.artifacts, context.run_id, folder)

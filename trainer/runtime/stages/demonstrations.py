@@ -57,10 +57,10 @@ def make_demonstrations(data: RunData, progress: Progress) -> RunOutcome | None:
     rng = np.random.default_rng(context.run.training_seed)
     tasks = example_tasks(context.behaviour, rng, N_PERFECT, kind)
     with context.database.reading() as session:
-        made = set(_made(session, context.run.behaviour_id, kind))
+        made_numbers = set(_existing_demonstrations(session, context.run.behaviour_id, kind))
     console = context.game.make_console()
     for number, task in enumerate(tasks):
-        if number not in made:
+        if number not in made_numbers:
             (demonstration,) = execute([task])
             verified = verify(demonstration.recording, console=console)
             with context.database.writing() as session:
@@ -93,8 +93,10 @@ def _conditions_of_kind(kind: ExampleKind, example_seed: int) -> dict[str, Any]:
     return {} if kind == SCRIPTED else {KIND: kind.name, SEED: example_seed}
 
 
-def _made(session: Session, behaviour_id: int, kind: ExampleKind) -> dict[int, RecordingRow]:
-    """Return the example's demonstrations that are there, by number, the oldest of each."""
+def _existing_demonstrations(
+    session: Session, behaviour_id: int, kind: ExampleKind
+) -> dict[int, RecordingRow]:
+    """Return the example's existing demonstrations by number, the oldest of each."""
     return {
         row.conditions[TASK]: row
         for row in recordings.listing(session, behaviour_id, with_policies=kind != SCRIPTED)
@@ -110,11 +112,18 @@ def _freeze(data: RunData, kind: ExampleKind) -> Judgement:
     context = data.context
     with context.database.writing() as session:
         run = leases.owned(session, context.lease)
-        made = [row for _, row in sorted(_made(session, context.run.behaviour_id, kind).items())]
-        shown = {row.id: _shown(row) for row in made if row.conditions[TIER] is not None}
-        perfect = [row.id for row in made if row.conditions[TIER] is None]
-        example_seed = made[0].conditions.get(SEED, context.run.training_seed)
-        judgement = rank_example(context.behaviour, kind, shown, example_seed)
+        made_rows = [
+            row
+            for _, row in sorted(
+                _existing_demonstrations(session, context.run.behaviour_id, kind).items()
+            )
+        ]
+        outcomes = {
+            row.id: _planned_game(row) for row in made_rows if row.conditions[TIER] is not None
+        }
+        perfect = [row.id for row in made_rows if row.conditions[TIER] is None]
+        example_seed = made_rows[0].conditions.get(SEED, context.run.training_seed)
+        judgement = rank_example(context.behaviour, kind, outcomes, example_seed)
         tiers = [list(tier) for tier in judgement.given.tiers]
         ranking = rankings.current(session, context.run.behaviour_id)
         if kind == SCRIPTED and not ranking.tiers:
@@ -130,5 +139,5 @@ def _freeze(data: RunData, kind: ExampleKind) -> Judgement:
     return judgement
 
 
-def _shown(row: RecordingRow) -> PlannedGame:
+def _planned_game(row: RecordingRow) -> PlannedGame:
     return PlannedGame(row.conditions[TIER], recordings.cells_of(row), row.end)

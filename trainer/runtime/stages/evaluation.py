@@ -61,7 +61,7 @@ def keep_games(
 ) -> None:
     """Verify a policy's games by replaying them on a console and store them, all or none."""
     context = data.context
-    seen = starts_seen(data)
+    training_starts = demonstrated_starts(data)
     verified = verify_games(context, games, console)
     model = data.reward_model
     sticky = stickiness(action_selection)
@@ -69,33 +69,34 @@ def keep_games(
         leases.owned(session, context.lease)
         for number, game, confirmed in zip(numbers, games, verified, strict=True):
             row = add_game(session, context, confirmed, policy, action_selection, sticky)
-            found = score(context.behaviour, tuple(one.cell for one in confirmed.replay.taken))
+            outcome = score(context.behaviour, tuple(item.cell for item in confirmed.replay.taken))
             evaluations.add(
                 session,
                 context.run_id,
                 EvaluationKey(policy, action_selection, number),
                 row.id,
-                held_out=number not in seen,
+                held_out=number not in training_starts,
                 predicted_return=game.predicted_return,
                 final_level=None
                 if game.rewards is None
                 else final_level(model.level(game.rewards)),
-                score=found,
+                score=outcome,
             )
 
 
-def starts_seen(data: RunData) -> set[int]:
-    """Return the evaluation starts from which demonstrations or training games of the run began.
+def demonstrated_starts(data: RunData) -> set[int]:
+    """Return the evaluation starts of the run's demonstrations and training games.
 
-    What the runs that it continues have learned from counts, too.
+    Those of the runs that it continues are included.
     """
     with data.context.database.reading() as session:
         lineage = runs.lineage(session, data.context.run)
-    shown = data.recordings(
+    seen_recordings = data.recordings(
         [key for run in lineage if run.snapshot for key in run.snapshot.recordings]
     )
     numbers = {
-        recording.game.starts.evaluation_number(recording.start) for recording in shown.values()
+        recording.game.starts.evaluation_number(recording.start)
+        for recording in seen_recordings.values()
     }
     shown_from = {number for number in numbers if number is not None}
     own_starts = (recipe_from_dict(run.recipe).policy.own_starts for run in lineage)
@@ -109,9 +110,9 @@ def headline(data: RunData) -> Headline:
     with context.database.reading() as session:
         games = evaluations.listing(session, context.run_id)
     target = context.behaviour.target
-    found = evaluations.summaries(games, None if target is None else len(target))
+    summaries = evaluations.summaries(games, None if target is None else len(target))
     return Headline(
         **context.run.outcome.check.figures,
-        imitator=found.get(("imitator", "greedy")),
-        clone=found.get(("clone", "greedy")),
+        imitator=summaries.get(("imitator", "greedy")),
+        clone=summaries.get(("clone", "greedy")),
     )

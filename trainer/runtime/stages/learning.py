@@ -64,30 +64,31 @@ def check_reward(data: RunData, progress: Progress) -> RunOutcome:
     method = context.recipe.reward.method
     inferred = method == "posterior"
     aliens_alone = inferred and context.recipe.method == "ppo"
-    found = asdict(check) | {
+    values = asdict(check) | {
         "predicted_returns": {ranked[i]: value for i, value in check.predicted_returns.items()},
         "final_levels": {ranked[i]: value for i, value in check.final_levels.items()},
         "advice": advice(check, aliens_alone=aliens_alone),
         "warning": warning(check),
-        "wanted": _wanted(data) if inferred else None,
+        "wanted": _wanted_aliens(data) if inferred else None,
         "statements": _statements(data) if method == "statement" else [],
         "answers": data.snapshot.answers if method == "statement" else [],
     }
-    return RunOutcome(check=CheckOutcome.model_validate(found))
+    return RunOutcome(check=CheckOutcome.model_validate(values))
 
 
-def _wanted(data: RunData) -> WantedAliens:
+def _wanted_aliens(data: RunData) -> WantedAliens:
     labels, order = labels_of(data.reward_model.network)
     return WantedAliens.of(labels.tolist(), order.tolist())
 
 
 def _statements(data: RunData) -> list[ToldStatement]:
     understanding = understanding_of(data.preference_dataset)
-    told = tell(
+    told_statements = tell(
         understanding.words, understanding.posterior, data.context.game, understanding.meant
     )
     return [
-        ToldStatement(sentence=one.sentence, probability=round(one.probability, 3)) for one in told
+        ToldStatement(sentence=statement.sentence, probability=round(statement.probability, 3))
+        for statement in told_statements
     ]
 
 

@@ -34,12 +34,12 @@ def keep_snapshot(data: RunData, snapshot: Snapshot, path: Path, console: Consol
     with context.database.reading() as session:
         if training_games.latest(session, context.run_id)[0] == snapshot.steps:
             return
-    outcomes = [(tuple(one.cell for one in game.taken), game.died) for game in snapshot.games]
+    outcomes = [(tuple(item.cell for item in game.taken), game.died) for game in snapshot.games]
     picked = [snapshot.games[i] for i in pick_training_games(context.behaviour, outcomes)]
     verified = verify_games(context, picked, console)
     sticky = context.recipe.policy.sticky_action_probability
     steps = {training_games.STEPS: snapshot.steps}
     with context.database.writing() as session:
         leases.owned(session, context.lease)
-        for one in verified:
-            add_game(session, context, one, "imitator", "greedy", sticky, **steps)
+        for recording in verified:
+            add_game(session, context, recording, "imitator", "greedy", sticky, **steps)

@@ -43,7 +43,7 @@ class Expert:
         self._order = behaviour.target if behaviour.ordered else tuple(by_column)
         self._episode = Episode(console, AtariStart(0))
         self._planner: Planner | None = None
-        self._wanted: list[Cell] = []
+        self._targets: list[Cell] = []
         self._made_at = 0
         self._plan: tuple[int, ...] = ()
         self._rng = np.random.default_rng()
@@ -56,17 +56,17 @@ class Expert:
 
     def action(self, state: EpisodeState) -> int:
         """Return the action for the next step, 0 to 5, given a game between two steps."""
-        done = state.actions[self._made_at :]
-        n_done = len(done) // FRAMES_PER_STEP
-        follows = self._planner is not None and done == _frames(self._plan[:n_done])
+        executed = state.actions[self._made_at :]
+        n_done = len(executed) // FRAMES_PER_STEP
+        follows = self._planner is not None and executed == _frames(self._plan[:n_done])
         if follows and n_done < len(self._plan):
             return self._plan[n_done]
         self._episode.restore(state)
-        hit = [one.cell for one in state.taken]
+        hit = [item.cell for item in state.taken]
         # A missile in flight when the planner was made may have hit any alien.
-        if self._planner is None or not follows or hit != self._wanted[: len(hit)]:
-            self._wanted = [*hit, *(cell for cell in self._order if cell not in hit)]
-            self._planner = Planner(self._episode, self._wanted, EXPERT_STYLE, self._rng)
+        if self._planner is None or not follows or hit != self._targets[: len(hit)]:
+            self._targets = [*hit, *(cell for cell in self._order if cell not in hit)]
+            self._planner = Planner(self._episode, self._targets, EXPERT_STYLE, self._rng)
         self._plan = tuple(self._planner.next_actions())
         self._made_at = len(state.actions)
         return self._plan[0]

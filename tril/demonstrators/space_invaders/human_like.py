@@ -16,9 +16,9 @@ from tril.demonstrators.error_model import ErrorModel
 from tril.demonstrators.space_invaders.player import (
     PlayStyle,
     column_centre,
+    direction_to,
     draw_times,
-    rest,
-    towards,
+    idle,
 )
 from tril.games.base import Cell
 from tril.games.space_invaders import memory as game
@@ -88,7 +88,7 @@ class ScreenState:
 
 
 def read_screen(episode: Episode) -> ScreenState:
-    """Return what a game's screen shows."""
+    """Read a game's screen."""
     ram = episode.console.ram_bytes()
     rows, columns = np.nonzero(alien_grid(episode.readout).alive)
     return ScreenState(
@@ -106,7 +106,7 @@ class HumanLikePlayer:
     def __init__(
         self,
         recorder: Recorder,
-        wanted: Sequence[Cell],
+        targets: Sequence[Cell],
         style: PlayStyle,
         error_model: ErrorModel,
         rng: np.random.Generator,
@@ -115,14 +115,14 @@ class HumanLikePlayer:
 
         Args:
             recorder: The game to play and record.
-            wanted: The aliens to hit, as (row, column), in an order in which each can be shot.
+            targets: The aliens to hit, as (row, column), in an order in which each can be shot.
             style: Playing style; its aim_px is ignored in favour of error_model.aim_error_px.
             error_model: Player errors.
             rng: Source of the player's random choices.
         """
         self._recorder = recorder
         self._episode = recorder.episode
-        self._wanted = list(wanted)
+        self._targets = list(targets)
         self._style = style
         self._error_model = error_model
         self._rng = rng
@@ -130,7 +130,7 @@ class HumanLikePlayer:
         self._watched: deque[ScreenState] = deque(maxlen=_WATCHED_FRAMES)
         self._held: deque[int] = deque(maxlen=error_model.reaction_frames)
         self._keys: deque[int] = deque()
-        self._due = draw_times(wanted, style, self._episode.max_frames, rng)
+        self._due = draw_times(targets, style, self._episode.max_frames, rng)
         self._leaves_at = float(self._episode.max_frames)
         if rng.random() < error_model.cut_short_share:
             self._leaves_at *= rng.uniform(_EARLIEST_LEAVE, 1)
@@ -144,125 +144,127 @@ class HumanLikePlayer:
         """Play until the game ends or is quit."""
         while self._episode.end is None:
             self._screens.append(read_screen(self._episode))
-            if self._episode.frame >= self._leaves_at and not self._left(self._screens[0]):
+            if self._episode.frame >= self._leaves_at and not self._remaining(self._screens[0]):
                 return
             key = self._next_key(self._screens[0])
             self._held.append(key)
             self._recorder.advance(key)
 
-    def _next_key(self, seen: ScreenState) -> int:
+    def _next_key(self, screen: ScreenState) -> int:
         """Return the action of the next frame, given the screen of a reaction time ago."""
-        self._watched.append(seen)
-        self._watch_bombs(seen)
-        escape = self._escape(seen)
+        self._watched.append(screen)
+        self._watch_bombs(screen)
+        escape = self._escape(screen)
         if escape:
             self._keys = deque(escape)
             self._aim_error = None
         if not self._keys:
-            self._keys.extend(self._next_keys(seen))
+            self._keys.extend(self._next_keys(screen))
         return self._keys.popleft()
 
-    def _next_keys(self, seen: ScreenState) -> Sequence[int]:
+    def _next_keys(self, screen: ScreenState) -> Sequence[int]:
         frame = self._episode.frame
-        left = self._left(seen)
+        remaining = self._remaining(screen)
         fired = frame - self._fired_at <= self._error_model.reaction_frames + _FIRE_SHOWS_FRAMES
-        in_flight = seen.missile or fired
+        in_flight = screen.missile or fired
         # A missile in the air is taken for a hit.
-        next_one = left[1:] if in_flight and len(left) > 1 else left
+        next_one = remaining[1:] if in_flight and len(remaining) > 1 else remaining
         if not next_one:
-            return self._stroll(seen, self._x(seen), self._style.wait_steps)
+            return self._stroll(screen, self._current_x(screen), self._style.wait_steps)
         cell = next_one[0]
-        place = seen.columns[cell[1]] - game.MISSILE_OFFSET
-        if frame < self._due[len(self._wanted) - len(next_one)]:
-            return self._stroll(seen, place, self._style.wait_steps)
-        at = self._aim(seen, cell)
+        place = screen.columns[cell[1]] - game.MISSILE_OFFSET
+        if frame < self._due[len(self._targets) - len(next_one)]:
+            return self._stroll(screen, place, self._style.wait_steps)
+        at = self._aim(screen, cell)
         if at is None:
-            return self._stroll(seen, place, wait_steps=1)
-        if self._is_under_fire(at - game.MISSILE_OFFSET, seen):
-            return rest(1)
+            return self._stroll(screen, place, wait_steps=1)
+        if self._is_under_fire(at - game.MISSILE_OFFSET, screen):
+            return idle(1)
         if frame < self._settled_at + self._error_model.reaction_frames:
-            return rest(1)  # Where it came to stand is not visible yet.
-        if abs(seen.player_x + game.MISSILE_OFFSET - at) > _LOOKS_RIGHT_PX:
-            return self._approach(seen, at)
-        return rest(1) if in_flight else self._fire()
+            return idle(1)  # Where it came to stand is not visible yet.
+        if abs(screen.player_x + game.MISSILE_OFFSET - at) > _LOOKS_RIGHT_PX:
+            return self._approach(screen, at)
+        return idle(1) if in_flight else self._fire()
 
-    def _left(self, seen: ScreenState) -> list[Cell]:
+    def _remaining(self, screen: ScreenState) -> list[Cell]:
         """Return the remaining aliens to hit."""
-        return [cell for cell in self._wanted if cell in seen.alive]
+        return [cell for cell in self._targets if cell in screen.alive]
 
-    def _x(self, seen: ScreenState) -> float:
+    def _current_x(self, screen: ScreenState) -> float:
         """Estimate the current x from the one seen and the keys held since."""
-        x = float(seen.player_x)
+        x = float(screen.player_x)
         for action in self._held:
             x += game.PLAYER_SPEED_PX * _MOVES.get(Action(action), 0)
         return float(np.clip(x, game.PLAYER_LEFT_WALL, game.PLAYER_RIGHT_WALL))
 
     # Walking
 
-    def _way(self, seen: ScreenState, goal: float) -> list[int]:
+    def _walk(self, screen: ScreenState, goal: float) -> list[int]:
         """Return the keys to reach a goal, held too long or short by chance."""
-        way = goal - self._x(seen)
+        way = goal - self._current_x(screen)
         n_frames = abs(way) / game.PLAYER_SPEED_PX
         n_held = round(n_frames + self._rng.normal(0, self._error_model.key_error_frames))
         if n_frames < 1 or n_held < 1:
             return []
-        return [towards(way)] * n_held
+        return [direction_to(way)] * n_held
 
-    def _stroll(self, seen: ScreenState, place: float, wait_steps: float) -> Sequence[int]:
+    def _stroll(self, screen: ScreenState, place: float, wait_steps: float) -> Sequence[int]:
         """Return a walk near a place and a rest."""
         goal = place + self._rng.uniform(-1, 1) * self._style.wander_px
         goal = float(np.clip(goal, game.PLAYER_LEFT_WALL, game.PLAYER_RIGHT_WALL))
         n_rest = FRAMES_PER_STEP * (1 + int(self._rng.poisson(wait_steps)))
-        if self._is_under_fire(goal, seen):
-            return rest(n_rest)
-        way = self._way(seen, goal)[:_MAX_STROLL_FRAMES]
-        return [*way, *rest(n_rest)]
+        if self._is_under_fire(goal, screen):
+            return idle(n_rest)
+        way = self._walk(screen, goal)[:_MAX_STROLL_FRAMES]
+        return [*way, *idle(n_rest)]
 
     # Bombs
 
-    def _watch_bombs(self, seen: ScreenState) -> None:
+    def _watch_bombs(self, screen: ScreenState) -> None:
         """Decide for each new bomb whether it is noticed."""
-        falling = {x for _, x in seen.bombs}
+        falling = {x for _, x in screen.bombs}
         for x in sorted(falling - self._noticed.keys()):
             missed = self._rng.random() < self._error_model.missed_bomb_share
             self._noticed[x] = np.inf if missed else self._rng.uniform(*_ALARM_Y)
         for x in self._noticed.keys() - falling:
             del self._noticed[x]
 
-    def _is_under_fire(self, x: float, seen: ScreenState) -> bool:
+    def _is_under_fire(self, x: float, screen: ScreenState) -> bool:
         """Return whether a bomb to dodge falls on a place."""
-        return any(y >= self._noticed[bomb_x] and _falls_on(bomb_x, x) for y, bomb_x in seen.bombs)
+        return any(
+            y >= self._noticed[bomb_x] and _endangers(bomb_x, x) for y, bomb_x in screen.bombs
+        )
 
-    def _escape(self, seen: ScreenState) -> list[int]:
+    def _escape(self, screen: ScreenState) -> list[int]:
         """Return the keys to dodge a noticed bomb, empty if there is none."""
-        for y, bomb_x in seen.bombs:
-            if y < self._noticed[bomb_x] or not self._meets(seen, y, bomb_x):
+        for y, bomb_x in screen.bombs:
+            if y < self._noticed[bomb_x] or not self._collides(screen, y, bomb_x):
                 continue
             margin = _BOMB_MARGIN_PX + 1 + self._rng.uniform(0, 4)
             sides = [bomb_x - _BODY_PX[1] - margin, bomb_x - _BODY_PX[0] + margin]
             open_sides = [
                 side for side in sides if game.PLAYER_LEFT_WALL <= side <= game.PLAYER_RIGHT_WALL
             ]
-            x = self._x(seen)
-            return self._way(seen, min(open_sides or sides, key=lambda side: abs(side - x)))
+            x = self._current_x(screen)
+            return self._walk(screen, min(open_sides or sides, key=lambda side: abs(side - x)))
         return []
 
-    def _meets(self, seen: ScreenState, y: int, bomb_x: int) -> bool:
+    def _collides(self, screen: ScreenState, y: int, bomb_x: int) -> bool:
         """Return whether a bomb hits the player during the planned keys."""
         y_now = y + _BOMB_SPEED_PX * self._error_model.reaction_frames
         first, last = ((down - y_now) / _BOMB_SPEED_PX for down in _CANNON_Y)
-        x = self._x(seen)
+        x = self._current_x(screen)
         for frame, action in enumerate(self._keys):
-            if first <= frame <= last and _falls_on(bomb_x, x):
+            if first <= frame <= last and _endangers(bomb_x, x):
                 return True
             x += game.PLAYER_SPEED_PX * _MOVES.get(Action(action), 0)
-        return len(self._keys) <= last and _falls_on(bomb_x, x)
+        return len(self._keys) <= last and _endangers(bomb_x, x)
 
     # Shooting
 
-    def _approach(self, seen: ScreenState, at: float) -> Sequence[int]:
+    def _approach(self, screen: ScreenState, at: float) -> Sequence[int]:
         """Return a walk to the firing position, sometimes with a premature shot."""
-        way = self._way(seen, at - game.MISSILE_OFFSET)
+        way = self._walk(screen, at - game.MISSILE_OFFSET)
         self._settled_at = self._episode.frame + len(way)
         if way and self._rng.random() < self._error_model.slip_share:
             slip = int(self._rng.integers(len(way)))
@@ -270,33 +272,33 @@ class HumanLikePlayer:
             fire = Action.RIGHTFIRE if way[0] == Action.RIGHT else Action.LEFTFIRE
             for frame in range(slip, min(slip + _FIRE_FRAMES[0], len(way))):
                 way[frame] = int(fire)
-        return way or rest(1)
+        return way or idle(1)
 
     def _fire(self) -> Sequence[int]:
         self._aim_error = None
         self._fired_at = self._episode.frame
         return [int(Action.FIRE)] * int(self._rng.integers(*_FIRE_FRAMES))
 
-    def _aim(self, seen: ScreenState, cell: Cell) -> float | None:
-        """Return where to fire at an alien: about the middle of the widest gap in the shields.
+    def _aim(self, screen: ScreenState, cell: Cell) -> float | None:
+        """Return the firing position for an alien: about the middle of the widest shield gap.
 
         The aim error is drawn once per shot. None if no gap is within reach.
         """
         if self._aim_error is None or self._aim_error[0] != cell:
             self._aim_error = (cell, self._rng.normal(0, self._error_model.aim_error_px))
-        places = _open_places(round(seen.columns[cell[1]] + self._lead(seen, cell)))
+        places = _open_places(round(screen.columns[cell[1]] + self._lead(screen, cell)))
         if not places:
             return None
         return float(np.clip(_widest(places) + self._aim_error[1], *_REACH_PX))
 
-    def _lead(self, seen: ScreenState, cell: Cell) -> float:
+    def _lead(self, screen: ScreenState, cell: Cell) -> float:
         """Extrapolate how far the aliens move until a missile reaches them."""
-        drift = (seen.columns[0] - self._watched[0].columns[0]) / len(self._watched)
+        drift = (screen.columns[0] - self._watched[0].columns[0]) / len(self._watched)
         flight = _FLIGHT_FRAMES + _FLIGHT_FRAMES_PER_ROW * cell[0]
         return drift * (self._error_model.reaction_frames + flight)
 
 
-def _falls_on(bomb_x: int, x: float) -> bool:
+def _endangers(bomb_x: int, x: float) -> bool:
     return _BODY_PX[0] - _BOMB_MARGIN_PX <= bomb_x - x <= _BODY_PX[1] + _BOMB_MARGIN_PX
 
 
@@ -308,8 +310,8 @@ def _open_places(centre: int) -> list[int]:
         x
         for x in range(first, last + 1)
         if not any(
-            left - _SHIELD_MARGIN_PX <= x <= right + _SHIELD_MARGIN_PX
-            for left, right in game.SHIELDS
+            left_edge - _SHIELD_MARGIN_PX <= x <= right_edge + _SHIELD_MARGIN_PX
+            for left_edge, right_edge in game.SHIELDS
         )
     ]
 

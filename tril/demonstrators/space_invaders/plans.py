@@ -265,16 +265,16 @@ def _wrong_in_row_1(first: int) -> list[DemonstrationPlan]:
     middle = frozenset((0, column) for column in range(1, COLUMNS - 1))
     centre = frozenset((0, column) for column in (COLUMNS // 2 - 1, COLUMNS // 2))
     low = rows[0] | rows[1] | rows[2]
-    one, several, more, even_more, many = _WRONG_COUNTS
+    single, several, many, even_more, very_many = _WRONG_COUNTS
     above = low - rows[0]
     return [
-        DemonstrationPlan(first, "One alien in the middle of row 1", centre, *one),
+        DemonstrationPlan(first, "One alien in the middle of row 1", centre, *single),
         DemonstrationPlan(
             first + 1, "Several in the middle of row 1, out of order", middle, *several,
             out_of_order=True,
         ),
         DemonstrationPlan(
-            first + 2, "Several in and above row 1", low, *more,
+            first + 2, "Several in and above row 1", low, *many,
             each_of=(rows[0], above), out_of_order=True,
         ),
         DemonstrationPlan(
@@ -282,7 +282,7 @@ def _wrong_in_row_1(first: int) -> list[DemonstrationPlan]:
             each_of=(rows[0], above), out_of_order=True,
         ),
         DemonstrationPlan(
-            first + 4, "Many in several rows", low | rows[3], *many,
+            first + 4, "Many in several rows", low | rows[3], *very_many,
             each_of=(rows[0], rows[1], rows[2]), out_of_order=True,
         ),
     ]  # fmt: skip
@@ -290,9 +290,9 @@ def _wrong_in_row_1(first: int) -> list[DemonstrationPlan]:
 
 def _free_columns(target: tuple[Cell, ...]) -> list[int]:
     """Return the columns (from 1) without a target, nearest to the targets first."""
-    taken = {column + 1 for _, column in target}
-    free = [column for column in range(1, COLUMNS + 1) if column not in taken]
-    return sorted(free, key=lambda column: min(abs(column - other) for other in taken))
+    target_columns = {column + 1 for _, column in target}
+    free = [column for column in range(1, COLUMNS + 1) if column not in target_columns]
+    return sorted(free, key=lambda column: min(abs(column - target) for target in target_columns))
 
 
 def _graded(

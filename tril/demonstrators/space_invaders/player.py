@@ -83,20 +83,20 @@ def draw_brisk_style(rng: np.random.Generator) -> PlayStyle:
 
 
 def draw_times(
-    wanted: Sequence[Cell], style: PlayStyle, max_frames: int, rng: np.random.Generator
+    targets: Sequence[Cell], style: PlayStyle, max_frames: int, rng: np.random.Generator
 ) -> list[float]:
     """Draw the earliest time of each target hit, in frames from the start.
 
     Args:
-        wanted: The aliens to hit, in order.
+        targets: The aliens to hit, in order.
         style: Playing style.
         max_frames: Length of the game.
         rng: Source of the draws.
     """
-    latest = min(style.pace, max(0.0, 1 - len(wanted) * _SHARE_PER_HIT))
-    times = np.sort(rng.uniform(0, latest * max_frames, len(wanted)))
+    latest = min(style.pace, max(0.0, 1 - len(targets) * _SHARE_PER_HIT))
+    times = np.sort(rng.uniform(0, latest * max_frames, len(targets)))
     # The rightmost column is out of the cannon's reach from about frame 600 to 1,000.
-    leaving = [n for n, (_, column) in enumerate(wanted) if column == game.COLUMNS - 1]
+    leaving = [n for n, (_, column) in enumerate(targets) if column == game.COLUMNS - 1]
     if leaving:
         times[: leaving[-1] + 1] = 0
     return [float(time) for time in times]
@@ -106,11 +106,15 @@ class ScriptedPlayer:
     """Plays one game in which it hits the given aliens in order and no others."""
 
     def __init__(
-        self, recorder: Recorder, wanted: Sequence[Cell], style: PlayStyle, rng: np.random.Generator
+        self,
+        recorder: Recorder,
+        targets: Sequence[Cell],
+        style: PlayStyle,
+        rng: np.random.Generator,
     ) -> None:
         """Prepare to play the recorder's game, which is at its start; see Planner."""
         self._recorder = recorder
-        self._planner = Planner(recorder.episode, wanted, style, rng)
+        self._planner = Planner(recorder.episode, targets, style, rng)
 
     def play(self) -> None:
         """Play until the game ends, skipping hits that prove impossible."""
@@ -129,30 +133,30 @@ class Planner:
     """Plans the next actions in a game by simulating them on it."""
 
     def __init__(
-        self, episode: Episode, wanted: Sequence[Cell], style: PlayStyle, rng: np.random.Generator
+        self, episode: Episode, targets: Sequence[Cell], style: PlayStyle, rng: np.random.Generator
     ) -> None:
         """Make a planner for a game.
 
         Args:
             episode: The game, which ends at the hit; planning restores its state.
-            wanted: The aliens to hit, as (row, column), in an order in which each can be shot.
+            targets: The aliens to hit, as (row, column), in an order in which each can be shot.
                 Begins with those hit so far.
             style: Playing style.
             rng: Source of the player's random choices.
         """
         self._episode = episode
-        self._wanted = list(wanted)
+        self._targets = list(targets)
         self._style = style
         self._rng = rng
-        self._due = draw_times(wanted, style, episode.max_frames, rng)
+        self._due = draw_times(targets, style, episode.max_frames, rng)
         self._next_try = 0
 
     def next_actions(self) -> Sequence[int]:
         """Return the actions of the next steps, at least one, to be played before the next call."""
         n_hits = len(self._episode.taken)
-        if n_hits == len(self._wanted):
+        if n_hits == len(self._targets):
             return self._walk(_player_x(self._episode))
-        cell = self._wanted[n_hits]
+        cell = self._targets[n_hits]
         if self._episode.frame >= max(self._due[n_hits], self._next_try):
             shot = self._shot(cell)
             if shot is not None:
@@ -174,11 +178,11 @@ class Planner:
         dodges = [[int(side)] * n_steps for n_steps in _DODGES for side in _SIDES]
         self._rng.shuffle(dodges)
         dodges.sort(key=len)
-        wish = [towards(way)] * n_walk + rest(n_rest)
+        wish = [direction_to(way)] * n_walk + idle(n_rest)
         before = self._episode.save()
-        latest, best = -1, rest(1)
-        for actions in (wish, rest(1), *dodges):
-            hit_at = self._hit_at([*actions, *rest(_TAIL_STEPS)])
+        latest, best = -1, idle(1)
+        for actions in (wish, idle(1), *dodges):
+            hit_at = self._death_frame([*actions, *idle(_TAIL_STEPS)])
             self._episode.restore(before)
             if hit_at is None:
                 return actions
@@ -186,12 +190,12 @@ class Planner:
                 latest, best = hit_at, actions[:1]
         return best
 
-    def _hit_at(self, actions: Sequence[int]) -> int | None:
-        """Simulate actions; return the frame of a hit on the player, or None."""
-        self._play_on(actions)
+    def _death_frame(self, actions: Sequence[int]) -> int | None:
+        """Simulate actions; return the frame of the player's death, None if it survives."""
+        self._simulate(actions)
         return self._episode.frame if self._episode.end == EndReason.HIT else None
 
-    def _play_on(self, actions: Iterable[int]) -> None:
+    def _simulate(self, actions: Iterable[int]) -> None:
         """Simulate actions on the episode, which the caller restores."""
         for action in actions:
             for _ in range(FRAMES_PER_STEP):
@@ -206,9 +210,9 @@ class Planner:
         before = self._episode.save()
         aim = self._rng.normal(0, self._style.aim_px)
         try:
-            for way, there in self._ways_to(cell, aim):
-                for aside in self._asides():
-                    self._episode.restore(there)
+            for way, state in self._approaches(cell, aim):
+                for aside in self._sidesteps():
+                    self._episode.restore(state)
                     actions = self._fire(cell, aside)
                     if actions is not None:
                         return [*way, *actions]
@@ -218,23 +222,23 @@ class Planner:
         finally:
             self._episode.restore(before)
 
-    def _asides(self) -> list[list[int]]:
+    def _sidesteps(self) -> list[list[int]]:
         """Return moves during the missile's flight, best first: to the next alien, or none."""
         asides = [[], *([int(side)] * n_steps for n_steps in _DODGES for side in _SIDES)]
         n_next = len(self._episode.taken) + 1
-        if n_next < len(self._wanted) and self._episode.frame >= self._due[n_next]:
-            way = column_centre(self._episode, self._wanted[n_next][1]) - _missile_x(self._episode)
+        if n_next < len(self._targets) and self._episode.frame >= self._due[n_next]:
+            way = column_centre(self._episode, self._targets[n_next][1]) - _missile_x(self._episode)
             if abs(way) > game.COLUMN_WIDTH / 2:
-                asides.insert(0, [towards(way)] * round(abs(way) / _PX_PER_STEP))
+                asides.insert(0, [direction_to(way)] * round(abs(way) / _PX_PER_STEP))
         return asides
 
-    def _ways_to(self, cell: Cell, aim: float) -> list[tuple[list[int], EpisodeState]]:
-        """Return walks after which a shot may hit an alien, and the states then, best first."""
+    def _approaches(self, cell: Cell, aim: float) -> list[tuple[list[int], EpisodeState]]:
+        """Return walks to firing positions for an alien, with the states after them, best first."""
         before = self._episode.save()
         offset = column_centre(self._episode, cell[1]) - _missile_x(self._episode)
-        found: list[tuple[float, list[int], EpisodeState]] = []
+        ways: list[tuple[float, list[int], EpisodeState]] = []
         for action in (int(Action.RIGHT), int(Action.LEFT)):
-            if abs(offset) > _REACH_PX and action != towards(offset):
+            if abs(offset) > _REACH_PX and action != direction_to(offset):
                 continue
             self._episode.restore(before)
             n_waited = 0
@@ -244,15 +248,15 @@ class Planner:
                 ready = not missile_in_air(self._episode.console.ram_bytes())
                 if abs(distance) <= _REACH_PX and ready:
                     cost = abs(distance - aim) + n_steps * _PX_PER_STEP_OF_DELAY
-                    found.append((cost, [action] * n_steps, self._episode.save()))
-                elif abs(distance) > _REACH_PX and action == towards(distance):
+                    ways.append((cost, [action] * n_steps, self._episode.save()))
+                elif abs(distance) > _REACH_PX and action == direction_to(distance):
                     break
-                self._play_on([action])
+                self._simulate([action])
                 n_waited += _missile_x(self._episode) == x
                 if self._episode.end is not None or n_waited > _MAX_WAIT_STEPS:
                     break
-        found.sort(key=lambda way: way[0])
-        return [(way, there) for _, way, there in found]
+        ways.sort(key=lambda way: way[0])
+        return [(way, state) for _, way, state in ways]
 
     def _fire(self, cell: Cell, aside: Sequence[int]) -> list[int] | None:
         """Simulate a shot while walking aside; return the actions until the hit.
@@ -262,25 +266,25 @@ class Planner:
         n_hits = len(self._episode.taken)
         walk = iter(aside)
         actions = [int(Action.FIRE)]
-        self._play_on(actions)
+        self._simulate(actions)
         while len(self._episode.taken) == n_hits:
             in_air = missile_in_air(self._episode.console.ram_bytes())
             if self._episode.end is not None or not in_air or len(actions) > _FLIGHT_STEPS:
                 return None
             actions.append(next(walk, int(Action.NOOP)))
-            self._play_on(actions[-1:])
-        new = [(hit.row, hit.column) for hit in self._episode.taken[n_hits:]]
-        if new != [cell] or self._hit_at([*walk, *rest(_TAIL_STEPS)]) is not None:
+            self._simulate(actions[-1:])
+        new_hits = [(hit.row, hit.column) for hit in self._episode.taken[n_hits:]]
+        if new_hits != [cell] or self._death_frame([*walk, *idle(_TAIL_STEPS)]) is not None:
             return None
         return actions
 
 
-def towards(way: float) -> int:
+def direction_to(way: float) -> int:
     """Return the action that walks this way, positive being right."""
     return int(Action.RIGHT if way > 0 else Action.LEFT)
 
 
-def rest(n: int) -> list[int]:
+def idle(n: int) -> list[int]:
     """Return n actions without a key."""
     return [int(Action.NOOP)] * n
 

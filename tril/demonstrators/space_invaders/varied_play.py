@@ -67,8 +67,8 @@ def play_varied(rng: np.random.Generator, console: Console | None = None) -> Ver
     if rng.random() < RANDOM_SHARE:
         return play_randomly(rng, console)
     start = draw_start(SPACE_INVADERS.starts, rng)
-    wanted = draw_hits(draw_plan(rng), rng, first_column=int(rng.integers(COLUMNS)))
-    return _play_towards(wanted, start, rng, console)
+    hits = draw_hits(draw_plan(rng), rng, first_column=int(rng.integers(COLUMNS)))
+    return _play_towards(hits, start, rng, console)
 
 
 def play_low_rows(rng: np.random.Generator, console: Console | None = None) -> Verified:
@@ -102,13 +102,13 @@ def draw_low_rows(rng: np.random.Generator) -> tuple[Cell, ...]:
 
 
 def _play_towards(
-    wanted: tuple[Cell, ...], start: Start, rng: np.random.Generator, console: Console
+    hits: tuple[Cell, ...], start: Start, rng: np.random.Generator, console: Console
 ) -> Verified:
     recorder = Recorder(Episode(console, start))
     style = draw_style(rng)
     if rng.random() < FLAWLESS_SHARE:
-        ScriptedPlayer(recorder, wanted, style, rng).play()
+        ScriptedPlayer(recorder, hits, style, rng).play()
     else:
         errors = person(int(rng.choice(REACTION_MS)))
-        HumanLikePlayer(recorder, wanted, style, errors, rng).play()
+        HumanLikePlayer(recorder, hits, style, errors, rng).play()
     return verify(recorder.recording(), console=console)

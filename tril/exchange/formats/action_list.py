@@ -43,8 +43,8 @@ class ActionList:
 
     Attributes:
         content: The recording in the exchange format, not validated yet.
-        rewards: What the game pays at every frame; None if the list does not say.
-        notices: What was changed.
+        rewards: Reward of every frame; None if the list has none.
+        notices: Changes made while reading.
     """
 
     content: dict[str, Any]
@@ -75,27 +75,27 @@ def read_action_list(content: dict[str, Any]) -> ActionList:
     """Rewrite an action list in the exchange format.
 
     Raises:
-        RecordingRefused: Its game is not installed, or its actions or rewards are not valid.
+        RecordingRefused: The game is not installed, or actions or rewards are not valid.
     """
-    rest = dict(content)
-    version = rest.pop("version", None)
+    recording = dict(content)
+    version = recording.pop("version", None)
     if isinstance(version, bool) or version != VERSION:
         raise RecordingRefused(
             f"Expected version {VERSION} of {FORMAT}, got {truncated(repr(version))}."
         )
-    game = _game(rest.get("game"))
-    numbers = rest.pop("numbers", None) or MINIMAL
-    actions, notices = _actions(game, rest.pop("actions", None), numbers)
-    rewards = _rewards(rest.pop("rewards", None), len(actions))
-    start = rest.pop("start", None) or RESET
-    rest |= {
+    game = _game(recording.get("game"))
+    numbers = recording.pop("numbers", None) or MINIMAL
+    actions, notices = _actions(game, recording.pop("actions", None), numbers)
+    rewards = _rewards(recording.pop("rewards", None), len(actions))
+    start = recording.pop("start", None) or RESET
+    recording |= {
         "format": recording_object.FORMAT,
         "version": recording_object.VERSION,
-        "game_version": rest.get("game_version") or game.version,
+        "game_version": recording.get("game_version") or game.version,
         "start": _reset(game) if start == RESET else start,
         "actions": base64.b64encode(actions).decode("ascii"),
     }
-    return ActionList(rest, rewards, tuple(notices))
+    return ActionList(recording, rewards, tuple(notices))
 
 
 def _game(name: object) -> Game:
@@ -122,15 +122,15 @@ def _reset(game: Game) -> dict[str, int]:
         ) from None
 
 
-def _actions(game: Game, given: object, numbers: object) -> tuple[bytes, list[str]]:
+def _actions(game: Game, content: object, numbers: object) -> tuple[bytes, list[str]]:
     """Return the actions, one byte per frame, and what is to be said of them."""
-    if isinstance(given, str):
-        words = [word for word in _SEPARATORS.split(given) if word]
-        given = [int(word) if _NUMBER.fullmatch(word) else word for word in words]
-    if not isinstance(given, list) or not given:
+    if isinstance(content, str):
+        words = [word for word in _SEPARATORS.split(content) if word]
+        content = [int(word) if _NUMBER.fullmatch(word) else word for word in words]
+    if not isinstance(content, list) or not content:
         raise RecordingRefused(
             "actions: expected a list with one action per frame, or a text with them, got"
-            f" {truncated(repr(given))}."
+            f" {truncated(repr(content))}."
         )
     if numbers not in (MINIMAL, FULL):
         raise RecordingRefused(
@@ -143,15 +143,15 @@ def _actions(game: Game, given: object, numbers: object) -> tuple[bytes, list[st
         names = list(ALL_ACTIONS)
     index = _Index(game.controls, names)
     try:
-        actions = bytes(map(index.find, given))
+        actions = bytes(map(index.find, content))
     except KeyError:
         # Found a second time, as errors are rare and frames are many.
-        frame = next(n for n, action in enumerate(given, start=1) if not index.has(action))
+        frame = next(n for n, action in enumerate(content, start=1) if not index.has(action))
         raise RecordingRefused(
             f"Frame {frame}: expected an action from 0 to {len(names) - 1} or one of"
-            f" {', '.join(names)}; got {truncated(repr(given[frame - 1]))}."
+            f" {', '.join(names)}; got {truncated(repr(content[frame - 1]))}."
         ) from None
-    return actions, index.notices(game, given)
+    return actions, index.notices(game, content)
 
 
 class _Index:
@@ -163,14 +163,14 @@ class _Index:
     """
 
     def __init__(self, controls: Controls, names: Sequence[str]) -> None:
-        own = {name.upper(): number for number, name in enumerate(controls.actions)}
+        numbers = {name.upper(): number for number, name in enumerate(controls.actions)}
         self._found: dict[int | str, int] = {}
         self._reduced: dict[int | str, str] = {}
         joystick = set(controls.actions) <= set(ALL_ACTIONS)
         for name in {*names, *(ALL_ACTIONS if joystick else ())}:
             keys: list[int | str] = [name.upper()]
             keys += [names.index(name)] if name in names else []
-            number = own.get(name.upper())
+            number = numbers.get(name.upper())
             if number is None:
                 number = reduced_action(controls, name)
                 self._reduced |= dict.fromkeys(keys, name)
@@ -187,17 +187,18 @@ class _Index:
         except KeyError:
             return False
 
-    def notices(self, game: Game, given: Sequence[object]) -> list[str]:
-        """Return what became of actions that the game does not have."""
+    def notices(self, game: Game, actions: Sequence[object]) -> list[str]:
+        """Describe how actions that the game lacks were read."""
         if not self._reduced:
             return []
-        counts = Counter(self._reduced.get(_key(action)) for action in given)
+        counts = Counter(self._reduced.get(_key(action)) for action in actions)
         del counts[None]
         if not counts:
             return []
-        own = game.controls
+        controls = game.controls
         parts = [
-            f"{name} ({count:,} frames) was read as {own.actions[reduced_action(own, name)]}"
+            f"{name} ({count:,} frames) was read as"
+            f" {controls.actions[reduced_action(controls, name)]}"
             for name, count in counts.most_common()
             if name is not None
         ]
@@ -205,7 +206,7 @@ class _Index:
 
 
 def _key(action: object) -> int | str:
-    """Return what an action is found by; raises KeyError for what is none."""
+    """Return the key of an action in the index; raises KeyError for other values."""
     if isinstance(action, str):
         return action.upper()
     if isinstance(action, float) and action.is_integer():
@@ -215,21 +216,21 @@ def _key(action: object) -> int | str:
     raise KeyError(action)
 
 
-def _rewards(given: object, n_actions: int) -> tuple[float, ...] | None:
-    if given is None:
+def _rewards(rewards: object, n_actions: int) -> tuple[float, ...] | None:
+    if rewards is None:
         return None
-    if not isinstance(given, list):
+    if not isinstance(rewards, list):
         raise RecordingRefused(
-            f"rewards: expected a list with one number per frame, got {truncated(repr(given))}."
+            f"rewards: expected a list with one number per frame, got {truncated(repr(rewards))}."
         )
-    for frame, reward in enumerate(given, start=1):
+    for frame, reward in enumerate(rewards, start=1):
         is_number = isinstance(reward, int | float) and not isinstance(reward, bool)
         if not is_number or not abs(reward) <= MAX_REWARD:
             raise RecordingRefused(
                 f"rewards: expected a number for frame {frame}, got {truncated(repr(reward))}."
             )
-    if len(given) != n_actions:
+    if len(rewards) != n_actions:
         raise RecordingRefused(
-            f"rewards: expected one for each of the {n_actions:,} actions, got {len(given):,}."
+            f"rewards: expected one for each of the {n_actions:,} actions, got {len(rewards):,}."
         )
-    return tuple(map(float, given))
+    return tuple(map(float, rewards))

@@ -158,9 +158,9 @@ def parse_behaviour(content: bytes) -> BehaviourObject:
     Raises:
         BehaviourRefused: It is not a behaviour file, of a newer version, or inconsistent.
     """
-    given = _object(content)
+    data = _object(content)
     try:
-        behaviour = BehaviourObject.model_validate(normalise_json(given))
+        behaviour = BehaviourObject.model_validate(normalise_json(data))
     except RecursionError:
         raise BehaviourRefused("The file is nested too deeply.") from None
     except ValidationError as error:
@@ -169,8 +169,8 @@ def parse_behaviour(content: bytes) -> BehaviourObject:
         raise BehaviourRefused(str(error)) from None
     contradictions = list(_contradictions(behaviour))
     if contradictions:
-        more = f" And {len(contradictions) - 4} more." if len(contradictions) > 4 else ""
-        raise BehaviourRefused(" ".join(contradictions[:4]) + more)
+        remainder = f" And {len(contradictions) - 4} more." if len(contradictions) > 4 else ""
+        raise BehaviourRefused(" ".join(contradictions[:4]) + remainder)
     return behaviour
 
 
@@ -181,34 +181,34 @@ def _object(content: bytes) -> dict[str, Any]:
             f"The file is {foreign}. Expected a file of `tril behaviours export`."
         )
     try:
-        given = parse_json(decode_json(content))
+        data = parse_json(decode_json(content))
     except json.JSONDecodeError as error:
         raise BehaviourRefused(
             f"The file was not written by `tril behaviours export`: it is not JSON ({error})."
         ) from None
     except ValueError as error:
         raise BehaviourRefused(f"The file can't be read: {error}.") from None
-    if not isinstance(given, dict) or given.get("format") != BEHAVIOUR_FORMAT:
-        found = given.get("format") if isinstance(given, dict) else given
+    if not isinstance(data, dict) or data.get("format") != BEHAVIOUR_FORMAT:
+        file_format = data.get("format") if isinstance(data, dict) else data
         raise BehaviourRefused(
             "The file was not written by `tril behaviours export`: expected the format"
-            f" {BEHAVIOUR_FORMAT!r}, got {truncated(repr(found))}."
+            f" {BEHAVIOUR_FORMAT!r}, got {truncated(repr(file_format))}."
         )
-    version = given.get("version")
+    version = data.get("version")
     if isinstance(version, int) and version > BEHAVIOUR_VERSION:
         raise BehaviourRefused(
             f"The file was written by a newer version of Tril (format version {version}; this"
             f" version reads {BEHAVIOUR_VERSION}). Update Tril."
         )
-    return given
+    return data
 
 
 def _contradictions(behaviour: BehaviourObject) -> Iterator[str]:
     by_number = {played.number: played for played in behaviour.recordings}
     twice = Counter(played.number for played in behaviour.recordings)
-    for found, times in twice.items():
+    for number, times in twice.items():
         if times > 1:
-            yield f"{times} recordings have the number {found}."
+            yield f"{times} recordings have the number {number}."
     for played in behaviour.recordings:
         parent = played.parent
         if parent is not None and (
@@ -219,27 +219,27 @@ def _contradictions(behaviour: BehaviourObject) -> Iterator[str]:
                 f" {'itself' if parent.number == played.number else 'not in the file'}."
             )
     for place, saved in enumerate(behaviour.rankings, start=1):
-        yield from _wrong_revision(place, saved, set(by_number))
+        yield from _revision_errors(place, saved, set(by_number))
     if behaviour.rankings:
-        for ranked in (found for tier in behaviour.rankings[-1].tiers for found in tier):
-            one = by_number.get(ranked)
-            if one is not None and (one.deleted or one.unfinished):
+        for ranked in (number for tier in behaviour.rankings[-1].tiers for number in tier):
+            played_game = by_number.get(ranked)
+            if played_game is not None and (played_game.deleted or played_game.unfinished):
                 yield (
                     f"The last revision ranks recording {ranked}, which is"
-                    f" {'deleted' if one.deleted else 'unfinished'}."
+                    f" {'deleted' if played_game.deleted else 'unfinished'}."
                 )
 
 
-def _wrong_revision(place: int, saved: RevisionObject, known: set[int]) -> Iterator[str]:
+def _revision_errors(place: int, saved: RevisionObject, numbers: set[int]) -> Iterator[str]:
     if saved.revision != place:
         yield f"Expected revision {place} of the ranking, got {saved.revision}."
         return
-    ranked = [found for tier in saved.tiers for found in tier]
-    if missing := sorted(set(ranked) - known):
+    ranked = [number for tier in saved.tiers for number in tier]
+    if missing := sorted(set(ranked) - numbers):
         names = ", ".join(map(str, missing[:10]))
         yield f"Revision {place} ranks recordings that are not in the file: {names}."
-    if twice := sorted(found for found, times in Counter(ranked).items() if times > 1):
+    if twice := sorted(number for number, times in Counter(ranked).items() if times > 1):
         yield f"Revision {place} ranks a recording twice: {', '.join(map(str, twice[:10]))}."
-    for what, other in (("undo_to", saved.undo_to), ("redo_to", saved.redo_to)):
-        if other is not None and other >= place:
-            yield f"{what} of revision {place} is {other}; expected an earlier revision."
+    for field, revision in (("undo_to", saved.undo_to), ("redo_to", saved.redo_to)):
+        if revision is not None and revision >= place:
+            yield f"{field} of revision {place} is {revision}; expected an earlier revision."

@@ -81,7 +81,7 @@ def parse_json(text: str) -> Any:
 
 
 def describe_foreign(head: bytes, *expected: str) -> str | None:
-    """Return what a file is, by its beginning, if it is not JSON in a format expected.
+    """Describe a file by its beginning, if it is not JSON in an expected format.
 
     Args:
         head: The file's beginning.
@@ -96,8 +96,8 @@ def describe_foreign(head: bytes, *expected: str) -> str | None:
             return description
     text = head.decode(json.detect_encoding(head), errors="replace").lstrip("\ufeff \t\r\n")
     if not text or text.startswith("{"):
-        found = _FORMAT.search(text)
-        return None if found is None or found[1] in expected else _FORMATS.get(found[1])
+        match = _FORMAT.search(text)
+        return None if match is None or match[1] in expected else _FORMATS.get(match[1])
     if "\0" in text or text.count("\ufffd") > 1:
         return "not text"
     if text.startswith("["):

@@ -27,7 +27,7 @@ class JsonLine:
     """One object of a file.
 
     Attributes:
-        number: Its first line, counted from 1.
+        number: First line of the object, counted from 1.
         content: The parsed JSON, None if refused.
         refusal: The reason for a refusal, None otherwise.
     """
@@ -72,37 +72,37 @@ def _read(
     head = b""
     while len(head) <= max_object_bytes and (piece := next(pieces, b"")):
         head += piece
-    if len(head) <= max_object_bytes and (whole := _one_object(head)):
-        yield whole
+    if len(head) <= max_object_bytes and (json_object := _one_object(head)):
+        yield json_object
         return
-    found = 0
+    n_objects = 0
     for number, text in _lines(head, pieces, max_object_bytes):
         if text is not None and not text.strip():
             continue
-        if found == max_objects:
+        if n_objects == max_objects:
             yield JsonLine(
                 number, None, f"The file has more than {max_objects} recordings. Split it."
             )
             return
-        found += 1
+        n_objects += 1
         if text is None:
             yield JsonLine(number, None, f"The line is longer than {max_object_bytes} bytes.")
         else:
             yield _parsed(number, text)
-    if not found:
+    if not n_objects:
         yield JsonLine(1, None, "The file has no recordings.")
 
 
 def _one_object(head: bytes) -> JsonLine | None:
     """Return the only object of a file, which may span lines, None if there are several."""
     first = len(head) - len(head.lstrip())
-    whole = _parsed(1 + head[:first].count(b"\n"), head)
-    if whole.refusal is None:
-        return whole
+    line = _parsed(1 + head[:first].count(b"\n"), head)
+    if line.refusal is None:
+        return line
     lines = [line for line in head.splitlines() if line.strip()]
     looks_like_one = head.lstrip().startswith(b"{") and len(lines) > 1
     if looks_like_one and all(_parsed(1, line).refusal for line in lines):
-        return whole
+        return line
     return None
 
 
@@ -122,20 +122,20 @@ def _pieces(head: bytes, stream: BinaryIO, size: int) -> Iterator[bytes]:
 
 def _lines(head: bytes, pieces: Iterator[bytes], limit: int) -> Iterator[tuple[int, bytes | None]]:
     """Yield the number and content of each line; None for a line that is too long."""
-    number, rest, too_long = 1, head, False
+    number, remainder, too_long = 1, head, False
     while True:
-        *whole, rest = rest.split(b"\n")
-        for line in whole:
+        *complete_lines, remainder = remainder.split(b"\n")
+        for line in complete_lines:
             yield number, None if too_long or len(line) > limit else line
             number, too_long = number + 1, False
-        if len(rest) > limit:
-            too_long, rest = True, b""
-        more = next(pieces, b"")
-        if not more:
-            if rest or too_long:
-                yield number, None if too_long else rest
+        if len(remainder) > limit:
+            too_long, remainder = True, b""
+        piece = next(pieces, b"")
+        if not piece:
+            if remainder or too_long:
+                yield number, None if too_long else remainder
             return
-        rest += more
+        remainder += piece
 
 
 def _parsed(number: int, text: bytes) -> JsonLine:
@@ -147,6 +147,6 @@ def _parsed(number: int, text: bytes) -> JsonLine:
     except ValueError as error:
         return JsonLine(number, None, f"The recording can't be read: {error}.")
     if not isinstance(content, dict):
-        got = truncated(repr(content))
-        return JsonLine(number, None, f"Expected one JSON object per line, got {got}.")
+        value = truncated(repr(content))
+        return JsonLine(number, None, f"Expected one JSON object per line, got {value}.")
     return JsonLine(number, content)

@@ -33,10 +33,10 @@ class ImportedRecording:
         recording: The recording, cut at the end of its episode, with all RAM hashes.
         replay: The outcome of its replay.
         tier: Place in a ranking, equal meaning a tie; None if unranked.
-        perfect: Whether it is marked as perfect.
-        source: Who played it, None if unknown.
+        perfect: Whether the recording is marked as perfect.
+        source: Kind of player, None if unknown.
         notes: A person's notes.
-        conditions: How it was played.
+        conditions: Conditions of play.
         parent: The recording that it continues.
         notices: Messages about what was ignored or differs.
     """
@@ -71,7 +71,7 @@ def dump_recording(
 ) -> dict[str, Any]:
     """Return a recording in the exchange format, ready for json.dumps."""
     optional = {
-        "taken": None if taken is None else [[one.row, one.column] for one in taken],
+        "taken": None if taken is None else [[item.row, item.column] for item in taken],
         "tier": tier,
         "perfect": perfect,
         "source": source,
@@ -108,43 +108,43 @@ def load_recording(content: object, consoles: Consoles | None = None) -> Importe
     if isinstance(content, dict) and is_action_list(content):
         actions = read_action_list(content)
         content = actions.content
-    given = parse_recording(content)
-    recording = as_recording(given)
+    parsed = parse_recording(content)
+    recording = as_recording(parsed)
     game = recording.game
-    cells = None if given.taken is None else [(row, column) for row, column in given.taken]
+    cells = None if parsed.taken is None else [(row, column) for row, column in parsed.taken]
     rewards = None if actions is None else actions.rewards
     verified = verify(recording, cells, (consoles or Consoles()).of(game), rewards)
     return ImportedRecording(
         recording=verified.recording,
         replay=verified.replay,
-        tier=given.tier,
-        perfect=bool(given.perfect),
-        source=given.source,
-        notes=given.notes or "",
-        conditions=given.conditions or {},
-        parent=given.parent,
+        tier=parsed.tier,
+        perfect=bool(parsed.perfect),
+        source=parsed.source,
+        notes=parsed.notes or "",
+        conditions=parsed.conditions or {},
+        parent=parsed.parent,
         notices=(
-            *_notices(game, given, verified.replay, verified.n_cut),
+            *_notices(game, parsed, verified.replay, verified.n_cut),
             *(() if actions is None else _action_notices(game, actions, verified)),
         ),
     )
 
 
-def as_recording(given: RecordingObject) -> Recording:
+def as_recording(recording: RecordingObject) -> Recording:
     """Return the recording that an object holds, not replayed yet.
 
     Raises:
-        RecordingRefused: Its game is not installed, or has no such start, rule or action.
+        RecordingRefused: The game is not installed, or has no such start, rule or action.
     """
     try:
-        game = game_named(given.game).with_settings(GameSettings(max_steps=given.max_steps))
+        game = game_named(recording.game).with_settings(GameSettings(max_steps=recording.max_steps))
         return Recording(
             game=game,
-            start=game.starts.parse(given.start),
-            actions=base64.b64decode(given.actions),
-            hashes=tuple(given.hashes or ()),
-            version=given.game_version,
-            end_rule=given.end_rule or "",
+            start=game.starts.parse(recording.start),
+            actions=base64.b64decode(recording.actions),
+            hashes=tuple(recording.hashes or ()),
+            version=recording.game_version,
+            end_rule=recording.end_rule or "",
         )
     except RecordingRefused:
         raise
@@ -159,11 +159,14 @@ def ranking_of(recordings: Sequence[ImportedRecording]) -> tuple[Ranking, tuple[
     rise nor fall from line to line, the recordings are sorted by tier, lowest first, with a notice.
     """
     tiers = [recording.tier for recording in recordings]
-    known = [tier for tier in tiers if tier is not None]
+    known_tiers = [tier for tier in tiers if tier is not None]
     notices: tuple[str, ...] = ()
     order = list(range(len(recordings)))
-    if len(known) == len(tiers) and known not in (sorted(known), sorted(known, reverse=True)):
-        order.sort(key=lambda index: known[index])
+    if len(known_tiers) == len(tiers) and known_tiers not in (
+        sorted(known_tiers),
+        sorted(known_tiers, reverse=True),
+    ):
+        order.sort(key=lambda index: known_tiers[index])
         notices = (
             "The lines are not in the order of their tiers; they were sorted with tier 1 first.",
         )
@@ -174,16 +177,16 @@ def ranking_of(recordings: Sequence[ImportedRecording]) -> tuple[Ranking, tuple[
     return Ranking(tuple(tuple(group) for group in groups.values())), notices
 
 
-def _notices(game: Game, given: RecordingObject, played: Replay, n_cut: int) -> Iterator[str]:
+def _notices(game: Game, recording: RecordingObject, played: Replay, n_cut: int) -> Iterator[str]:
     if n_cut:
         why = game.end(played.end or game.time_end).sentence
         yield f"Cut at frame {played.n_frames}, where {why}; {n_cut} more actions were ignored."
-    elif given.end is not None and given.end != played.end:
+    elif recording.end is not None and recording.end != played.end:
         end = f"ends with {str(played.end)!r}" if played.end else "does not end"
-        known = [known.name for known in game.ends]
-        hint = "" if given.end in known else f" Known ends: {', '.join(known)}."
-        yield f"The given end is {truncated(repr(given.end))}, but the replay {end}.{hint}"
-    if unknown := list(given.model_extra or {}):
+        names = [names.name for names in game.ends]
+        hint = "" if recording.end in names else f" Known ends: {', '.join(names)}."
+        yield f"The given end is {truncated(repr(recording.end))}, but the replay {end}.{hint}"
+    if unknown := list(recording.model_extra or {}):
         yield f"Unknown members were ignored: {truncated(', '.join(unknown), 200)}."
 
 

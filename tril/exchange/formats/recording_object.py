@@ -70,8 +70,8 @@ _RENAMED = {
 _START_1 = ("idle_frames", "mode", "difficulty")
 
 
-def _as_version_2(content: object) -> object:
-    """Rename what version 1, which had one game, called otherwise; other content stays."""
+def _upgraded(content: object) -> object:
+    """Rename the members of version 1, which had one game; return other content as it is."""
     if not isinstance(content, dict) or content.get("version") != 1:
         return content
     if isinstance(content["version"], bool):
@@ -182,7 +182,7 @@ class RecordingObject(StrictModel):
     @model_validator(mode="before")
     @classmethod
     def _upgrade(cls, content: object) -> object:
-        return _as_version_2(content)
+        return _upgraded(content)
 
 
 def parse_recording(content: object) -> RecordingObject:
@@ -195,7 +195,11 @@ def parse_recording(content: object) -> RecordingObject:
         raise RecordingRefused(
             f"Expected one JSON object per recording, got {truncated(repr(content))}."
         )
-    names = {new: old for old, new in _RENAMED.items()} if content.get("version") == 1 else {}
+    names = (
+        {new_name: old_name for old_name, new_name in _RENAMED.items()}
+        if content.get("version") == 1
+        else {}
+    )
     try:
         return RecordingObject.model_validate(normalise_json(content))
     except RecursionError:
@@ -255,14 +259,14 @@ def describe_errors(
     """Yield one sentence for each of the first few invalid members.
 
     Args:
-        error: What is wrong.
-        names: What members are called in the file, where they are called otherwise.
+        error: Validation error.
+        names: Names of members in the file, where they differ.
     """
     names = names or {}
     problems = error.errors(include_url=False)
     for problem in problems[:4]:
         place = ".".join(names.get(str(part), str(part)) for part in problem["loc"])
-        got = truncated(repr(problem["input"]))
+        value = truncated(repr(problem["input"]))
         if isinstance(refusal := problem.get("ctx", {}).get("error"), TextRefused):
             yield f"{place}: {refusal}"
             continue
@@ -272,12 +276,12 @@ def describe_errors(
             case "string_pattern_mismatch", "actions":
                 yield (
                     "actions: expected base64 of one byte per frame and at least one frame, got"
-                    f" {got}."
+                    f" {value}."
                 )
             case _:
                 message = problem["msg"].replace("Input should be", "expected")
                 message = message.removeprefix("Value error, ")
-                yield f"{place}: {message}, got {got}."
+                yield f"{place}: {message}, got {value}."
     if len(problems) > 4:
         yield f"And {len(problems) - 4} more."
 

@@ -141,14 +141,14 @@ def parse_run(content: bytes) -> RunObject:
     """
     try:
         text = decode_json(content)
-        given = parse_json(text)
-        if not isinstance(given, dict) or given.get("format") != RUN_FORMAT:
+        data = parse_json(text)
+        if not isinstance(data, dict) or data.get("format") != RUN_FORMAT:
             raise RunRefused("This is not a run that Tril exported.")
-        if isinstance(version := given.get("version"), int) and version > RUN_VERSION:
+        if isinstance(version := data.get("version"), int) and version > RUN_VERSION:
             raise RunRefused("The run was exported by a newer version of Tril. Update Tril.")
-        given = _as_version_2(given)
+        data = _upgraded(data)
         # In the mode of JSON, in which times and tuples may be texts and lists.
-        run = RunObject.model_validate_json(json.dumps(normalise_json(given, keep_numbers=True)))
+        run = RunObject.model_validate_json(json.dumps(normalise_json(data, keep_numbers=True)))
     except ValidationError as error:
         raise RunRefused(" ".join(describe_errors(error))) from None
     except (RecordingRefused, ValueError, RecursionError) as error:
@@ -158,49 +158,51 @@ def parse_run(content: bytes) -> RunObject:
     return run
 
 
-def _as_version_2(given: dict[str, Any]) -> dict[str, Any]:
-    """Rename what version 1, which had one game, called otherwise."""
-    if given.get("version") != 1:
-        return given
-    upgraded = dict(given)
+def _upgraded(data: dict[str, Any]) -> dict[str, Any]:
+    """Rename the members of version 1, which had one game."""
+    if data.get("version") != 1:
+        return data
+    upgraded = dict(data)
     for name in ("ranked", "unranked", "evaluation"):
-        games = given.get(name)
+        games = data.get(name)
         if isinstance(games, list):
-            upgraded[name] = [_played_since(game) for game in games]
+            upgraded[name] = [_upgraded_game(game) for game in games]
     return upgraded | {"version": RUN_VERSION}
 
 
-def _played_since(game: object) -> object:
+def _upgraded_game(game: object) -> object:
     if not isinstance(game, dict) or "shots" not in game:
         return game
-    rest = {key: value for key, value in game.items() if key not in ("shots", "hit_frames")}
-    return rest | {"counters": {"shots": game["shots"]}, "taken_frames": game.get("hit_frames")}
+    upgraded = {key: value for key, value in game.items() if key not in ("shots", "hit_frames")}
+    return upgraded | {"counters": {"shots": game["shots"]}, "taken_frames": game.get("hit_frames")}
 
 
 def _contradictions(run: RunObject) -> Iterator[str]:
     ranked = [game.number for game in run.ranked]
-    shown = {*ranked, *(game.number for game in run.unranked)}
-    every = [game.number for game in (*run.ranked, *run.unranked, *run.evaluation)]
-    if twice := _repeated(every):
+    demonstrations = {*ranked, *(game.number for game in run.unranked)}
+    all_numbers = [game.number for game in (*run.ranked, *run.unranked, *run.evaluation)]
+    if twice := _repeated(all_numbers):
         yield f"Several recordings have the number {twice[0]}."
     if sorted(number for tier in run.tiers for number in tier) != sorted(ranked):
         yield "The tiers are not of the ranked recordings."
-    if _repeated(run.perfect) or not set(run.perfect) <= shown:
+    if _repeated(run.perfect) or not set(run.perfect) <= demonstrations:
         yield "The perfect recordings are not among the demonstrations."
     if not {game.number for game in run.unranked} <= set(run.perfect):
         yield "A demonstration is neither ranked nor perfect."
-    for what, numbers in _references(run):
+    for field, numbers in _references(run):
         if not set(numbers) <= set(ranked):
-            yield f"{what} names recordings that are not ranked."
+            yield f"{field} names recordings that are not ranked."
     check = run.outcome.check
     for pair in check.confused if check else ():
         if not {pair.better, pair.worse} <= set(range(1, len(run.tiers) + 1)):
             yield "The check confuses tiers that there are not."
-    if _repeated((one.policy, one.action_selection, one.start_number) for one in run.evaluation):
+    if _repeated(
+        (game.policy, game.action_selection, game.start_number) for game in run.evaluation
+    ):
         yield "An evaluation game is there twice."
     if _repeated((point.stage, point.step) for point in run.curves):
         yield "A point of the curves is there twice."
-    if _repeated(one.state for one in run.attention):
+    if _repeated(attention_map.state for attention_map in run.attention):
         yield "An attention map is there twice."
 
 

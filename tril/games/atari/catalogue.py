@@ -79,7 +79,7 @@ class Entry:
 
 
 def rom_path(rom: str) -> Path:
-    """Return where a ROM is: in the emulator's package, not where ALE_ROMS_DIR says."""
+    """Return the path of a ROM: in the emulator's package, not in ALE_ROMS_DIR."""
     return Path(roms.__file__).with_name(f"{rom}.bin")
 
 
@@ -91,21 +91,21 @@ def rom_md5(rom: str) -> str:
 
 @cache
 def entries() -> Mapping[str, Entry]:
-    """Return what is known of each game, by the name of its ROM."""
+    """Return the catalogue's entries by the name of their ROM."""
     surveyed: dict[str, Any] = json.loads(CATALOGUE.read_text())
     return {
         rom: Entry(
             rom=rom,
-            md5=one["md5"],
-            screen=tuple(one["screen"]),
-            background=one["background"],
-            pal=one["pal"],
-            actions=tuple(one["actions"]),
-            modes=tuple(one["modes"]),
-            difficulties=tuple(one["difficulties"]),
-            lives=one["lives"],
-            intro=one["intro"],
-            hidden=tuple(tuple(area) for area in (*one["score"], *one["life"])),
+            md5=entry["md5"],
+            screen=tuple(entry["screen"]),
+            background=entry["background"],
+            pal=entry["pal"],
+            actions=tuple(entry["actions"]),
+            modes=tuple(entry["modes"]),
+            difficulties=tuple(entry["difficulties"]),
+            lives=entry["lives"],
+            intro=entry["intro"],
+            hidden=tuple(tuple(area) for area in (*entry["score"], *entry["life"])),
         )
-        for rom, one in surveyed.items()
+        for rom, entry in surveyed.items()
     }

@@ -107,11 +107,11 @@ class AtariConsole:
 
     def _play_to(self, start: AtariStart) -> None:
         earlier = [
-            known
-            for known in map(_atari, list(self._start_cache))  # another thread may add one
-            if (known.mode, known.difficulty, known.intro)
+            state
+            for state in map(_atari, list(self._start_cache))  # another thread may add one
+            if (state.mode, state.difficulty, state.intro)
             == (start.mode, start.difficulty, start.intro)
-            and known.idle_frames < start.idle_frames
+            and state.idle_frames < start.idle_frames
         ]
         noop = self.game.controls.noop
         if earlier:

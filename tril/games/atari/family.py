@@ -51,8 +51,8 @@ def _known_things() -> dict[str, Any]:
     The addresses are those of AtariARI (Anand et al. 2019, Unsupervised State Representation
     Learning in Atari; MIT licence), the offsets were fitted to screens.
     """
-    known: dict[str, Any] = json.loads(Path(__file__).with_name("things.json").read_text())
-    return known
+    known_things: dict[str, Any] = json.loads(Path(__file__).with_name("things.json").read_text())
+    return known_things
 
 
 def _game(entry: Entry) -> Game:
@@ -62,7 +62,7 @@ def _game(entry: Entry) -> Game:
         return AtariConsole(game, rom_path(entry.rom), Intro(**intro), start_cache)
 
     controls = joystick(entry.actions, turned=entry.rom in _TURNED)
-    known = _known_things().get(entry.rom, {})
+    known_things = _known_things().get(entry.rom, {})
     return Game(
         name=entry.rom,
         title=entry.title,
@@ -88,9 +88,11 @@ def _game(entry: Entry) -> Game:
         end_rules=(LIFE, OVER) if entry.lives else (OVER,),
         new_console=console,
         new_readout=AtariReadout,
-        things={name: thing_from_json(thing) for name, thing in known.get("things", {}).items()},
+        things={
+            name: thing_from_json(thing) for name, thing in known_things.get("things", {}).items()
+        },
         behaviours=READY_MADE.get(entry.rom, ()),
-        tallies={name: Tally(**tally) for name, tally in known.get("tallies", {}).items()},
+        tallies={name: Tally(**tally) for name, tally in known_things.get("tallies", {}).items()},
     )
 
 

@@ -42,7 +42,7 @@ def joystick(actions: Sequence[str], *, turned: bool = False) -> Controls:
     Where nothing is above, the keys for up fire, too.
 
     Args:
-        actions: Their names.
+        actions: Names of the actions.
         turned: Whether left moves things down on the screen, and right up.
     """
     needed = _needed(actions)

@@ -143,10 +143,10 @@ class AtariStarts:
         Raises:
             UnknownStart: a value is missing, unknown or out of its range.
         """
-        known = {"idle_frames", "mode", "difficulty", "intro"}
+        names = {"idle_frames", "mode", "difficulty", "intro"}
         for name, value in data.items():
-            if name not in known:
-                raise UnknownStart(f"A start has {', '.join(sorted(known))}, but no {name!r}.")
+            if name not in names:
+                raise UnknownStart(f"A start has {', '.join(sorted(names))}, but no {name!r}.")
             if not isinstance(value, int) or isinstance(value, bool):
                 raise UnknownStart(f"Expected an integer for a start's {name}, got {value!r}.")
         if "idle_frames" not in data:
@@ -219,5 +219,5 @@ def _first(values: tuple[int, ...], chosen: int | None) -> tuple[int, ...]:
 
 
 def _alternatives(values: Sequence[int]) -> str:
-    *others, last = map(str, values)
-    return f"{', '.join(others)} or {last}" if others else last
+    *names, last_name = map(str, values)
+    return f"{', '.join(names)} or {last_name}" if names else last_name

@@ -56,11 +56,11 @@ class Games:
 
     Attributes:
         rams: uint8 (frames, 128).
-        first: Which frames are the first of a game, bool (frames,).
+        first: First frames of games, bool (frames,).
         paid: At which frames the game paid, bool (frames,).
         died: At which frames a life was lost, bool (frames,).
         states: States spread over the games.
-        moved: How often each pixel changed, per frame, float (height, width).
+        moved: Share of frames in which each pixel changed, float (height, width).
     """
 
     rams: npt.NDArray[np.uint8]
@@ -114,16 +114,18 @@ class Subject:
     def is_controlled(self, state: ale_py.ALEState) -> bool:
         """Whether a direction makes a difference on the screen; a button, if there are none."""
         moves = [n for n, name in enumerate(self.names) if name in ("UP", "DOWN", "LEFT", "RIGHT")]
-        others = self.screens_after(state, self.noop)
+        idle_screens = self.screens_after(state, self.noop)
         return any(
-            not np.array_equal(one, other)
+            not np.array_equal(screen, idle_screen)
             for action in moves or [n for n in range(len(self.names)) if n != self.noop]
-            for one, other in zip(self.screens_after(state, action), others, strict=True)
+            for screen, idle_screen in zip(
+                self.screens_after(state, action), idle_screens, strict=True
+            )
         )
 
 
 def intro_of(subject: Subject) -> dict[str, int] | None:
-    """Return what precedes a game, None if no key is found that makes a difference."""
+    """Find the intro of a game, None if no key makes a difference."""
     titles = [name for name in ("FIRE", "UP", "RIGHT", "DOWN", "LEFT") if name in subject.names]
     for title in (None, *titles):
         hold = 0 if title is None else TITLE_HOLD
@@ -155,14 +157,14 @@ def random_games(subject: Subject, intro: dict[str, int], seed: int = 0) -> Game
         favourite = (favourite + 1) % len(subject.names)
         share = 0.0 if favourite == subject.noop else float(rng.choice((0.0, 0.7, 0.95)))
         subject.reset(intro)
-        lives, action, left = subject.ale.lives(), 0, 0
+        lives, action, frames_left = subject.ale.lives(), 0, 0
         screen = subject.ale.getScreen()
         for frame in range(LONGEST_GAME):
-            if left == 0:
+            if frames_left == 0:
                 drawn = int(rng.integers(len(subject.names)))
                 action = favourite if rng.random() < share else drawn
-                left = int(rng.integers(2, 24))
-            left -= 1
+                frames_left = int(rng.integers(2, 24))
+            frames_left -= 1
             paid.append(subject.act(action) != 0)
             rams.append(subject.ale.getRAM())
             first.append(frame == 0)
@@ -181,16 +183,16 @@ def random_games(subject: Subject, intro: dict[str, int], seed: int = 0) -> Game
     )
 
 
-def bytes_that_change_with(events: Mask, games: Games) -> dict[int, float]:
-    """Return the bytes of memory that change hardly ever but at events, with their recall."""
+def event_bytes(events: Mask, games: Games) -> dict[int, float]:
+    """Return the bytes of memory that change almost only at events, with their recall."""
     changed = games.rams[1:] != games.rams[:-1]
     changed[games.first[1:]] = False
     at = np.flatnonzero(events)
-    near = np.zeros(len(events), np.bool_)
+    near_events = np.zeros(len(events), np.bool_)
     for shift in range(-NEAR, NEAR + 1):
-        near[np.clip(at + shift, 0, len(events) - 1)] = True
+        near_events[np.clip(at + shift, 0, len(events) - 1)] = True
     n_changes = changed.sum(0)
-    precision = changed[near[1:]].sum(0) / np.maximum(n_changes, 1)
+    precision = changed[near_events[1:]].sum(0) / np.maximum(n_changes, 1)
     hits = np.zeros(changed.shape[1])
     for frame in at:
         hits += changed[max(0, frame - NEAR - 1) : frame + NEAR].any(0)
@@ -199,22 +201,22 @@ def bytes_that_change_with(events: Mask, games: Games) -> dict[int, float]:
 
 
 def pixels_of(subject: Subject, states: Sequence[ale_py.ALEState], byte: int) -> Box | None:
-    """Return where the screen changes with a byte of memory, in at least half of the states."""
+    """Return the pixels that change with a byte of memory, in at least half of the states."""
     picked = [states[n] for n in np.linspace(0, len(states) - 1, 10).astype(int)]
-    share = np.mean([_changed_by(subject, state, byte) for state in picked], axis=0)
+    share = np.mean([_changed_pixels(subject, state, byte) for state in picked], axis=0)
     return _box(share >= 0.5)
 
 
-def _changed_by(subject: Subject, state: ale_py.ALEState, byte: int) -> Mask:
+def _changed_pixels(subject: Subject, state: ale_py.ALEState, byte: int) -> Mask:
     subject.ale.restoreState(state)
     value = int(subject.ale.getRAM()[byte])
     plain = _two_screens(subject)
     changed = np.zeros(plain[0].shape, np.bool_)
-    for other in (value ^ 0x01, value ^ 0x10, value + 1, value - 1, value + 0x11):
+    for changed_value in (value ^ 0x01, value ^ 0x10, value + 1, value - 1, value + 0x11):
         subject.ale.restoreState(state)
-        subject.ale.setRAM(byte, other % 256)
-        for one, before in zip(_two_screens(subject), plain, strict=True):
-            changed |= one != before
+        subject.ale.setRAM(byte, changed_value % 256)
+        for screen, plain_screen in zip(_two_screens(subject), plain, strict=True):
+            changed |= screen != plain_screen
     return changed
 
 
@@ -235,10 +237,10 @@ def _box(mask: Mask) -> Box | None:
 
 
 def areas_of(subject: Subject, events: Mask, games: Games) -> list[Box]:
-    """Return where the screen shows what changes at events: digits, and those beside them."""
+    """Return the areas of the screen that change at events: digits, and those beside them."""
     height, width = games.moved.shape
     boxes: dict[int, Box] = {}
-    recalls = bytes_that_change_with(events, games)
+    recalls = event_bytes(events, games)
     for byte in recalls:
         box = pixels_of(subject, games.states, byte)
         if box is not None and _area(box) <= LARGEST_AREA * height * width:
@@ -255,15 +257,15 @@ def _area(box: Box) -> int:
     return (right - left) * (bottom - top)
 
 
-def _same_rows(one: Box, other: Box) -> bool:
-    overlap = min(one[3], other[3]) - max(one[1], other[1])
-    return 2 * overlap >= min(one[3] - one[1], other[3] - other[1])
+def _same_rows(box: Box, other_box: Box) -> bool:
+    overlap = min(box[3], other_box[3]) - max(box[1], other_box[1])
+    return 2 * overlap >= min(box[3] - box[1], other_box[3] - other_box[1])
 
 
 def _merged(boxes: Sequence[Box]) -> list[Box]:
     """Join boxes that share rows."""
     joined: list[Box] = []
-    for box in sorted(boxes, key=lambda one: one[1]):
+    for box in sorted(boxes, key=lambda box: box[1]):
         if joined and _same_rows(joined[-1], box):
             last = joined.pop()
             box = (
@@ -303,7 +305,7 @@ def entry_of(rom: str) -> dict[str, Any]:
     is_ntsc = np.array_equal(colours, subject.ale.getScreenRGB())
     score = areas_of(subject, games.paid, games)
     lives = areas_of(subject, games.died, games)
-    lives = [box for box in lives if not any(_inside(box, other) for other in score)]
+    lives = [box for box in lives if not any(_inside(box, score_box) for score_box in score)]
     subject.reset(intro)
     return {
         "md5": rom_md5(rom),
@@ -327,8 +329,13 @@ def background_of(subject: Subject, *, pal: bool) -> int:
     return int(np.bincount(grays.reshape(-1)).argmax())
 
 
-def _inside(box: Box, other: Box) -> bool:
-    return other[0] <= box[0] and other[1] <= box[1] and box[2] <= other[2] and box[3] <= other[3]
+def _inside(inner: Box, outer: Box) -> bool:
+    return (
+        outer[0] <= inner[0]
+        and outer[1] <= inner[1]
+        and inner[2] <= outer[2]
+        and inner[3] <= outer[3]
+    )
 
 
 def main(roms: Sequence[str]) -> None:

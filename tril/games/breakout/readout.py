@@ -25,9 +25,9 @@ class BreakoutReadout(AtariReadout):
         wall = console.ram_bytes()[: max(address for address, _ in BRICKS.values()) + 1]
         if wall != self._wall:
             self._wall = wall
-            left = standing(wall) & self._standing
-            self.taken += [Taken(*brick, frame) for brick in sorted(self._standing - left)]
-            self._standing = left
+            bricks = standing(wall) & self._standing
+            self.taken += [Taken(*brick, frame) for brick in sorted(self._standing - bricks)]
+            self._standing = bricks
         end = super().update(console, frame)
         return end or (None if self._standing else CLEARED.name)
 

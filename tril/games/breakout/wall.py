@@ -26,8 +26,8 @@ BRICK_PX = (6, 8)
 
 def _place(row: int, column: int) -> tuple[int, int]:
     """Return the address of a brick and the bits of its halves, which one byte holds."""
-    (register, one), (_, other) = _HALVES[2 * column : 2 * column + 2]
-    return register + row, 1 << one | 1 << other
+    (register, bit), (_, other_bit) = _HALVES[2 * column : 2 * column + 2]
+    return register + row, 1 << bit | 1 << other_bit
 
 
 BRICKS: dict[Cell, tuple[int, int]] = {

@@ -47,8 +47,8 @@ class GymnasiumConsole:
 
         Args:
             game: The game.
-            environment: What it is played in.
-            picture: Its pictures.
+            environment: Environment of the game.
+            picture: Picture of the environment.
         """
         self.game = game
         self.score: float = 0.0

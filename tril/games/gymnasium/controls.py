@@ -56,14 +56,14 @@ def action_names(environment: Any, n_actions: int) -> tuple[str, ...]:
         environment: Without wrappers.
         n_actions: Number of its actions.
     """
-    told = _NAMES.get(type(environment).__name__) or _told(environment)
-    names = tuple(str(name).lower().replace("_", " ").strip() for name in told)
+    given_names = _NAMES.get(type(environment).__name__) or _declared_names(environment)
+    names = tuple(str(name).lower().replace("_", " ").strip() for name in given_names)
     if len(names) != n_actions or len(set(names)) != n_actions or not all(names):
         return tuple(f"action {number}" for number in range(n_actions))
     return names
 
 
-def _told(environment: Any) -> Sequence[str]:
+def _declared_names(environment: Any) -> Sequence[str]:
     meanings = getattr(environment, "get_action_meanings", None)
     if callable(meanings):
         return list(meanings())

@@ -51,7 +51,7 @@ class Environment:
     """A registered environment.
 
     Attributes:
-        name: Its name as a game, e.g. "gym:CartPole-v1".
+        name: Name as a game, e.g. "gym:CartPole-v1".
         spec: Gymnasium's entry of it.
     """
 
@@ -189,8 +189,8 @@ class Picture:
         if self.factor == 1:
             return np.array(drawn, np.uint8, order="C")
         height, width, _ = self.shape
-        whole = np.ascontiguousarray(drawn[: height * self.factor, : width * self.factor])
-        reduced = cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA)
+        cropped = np.ascontiguousarray(drawn[: height * self.factor, : width * self.factor])
+        reduced = cv2.resize(cropped, (width, height), interpolation=cv2.INTER_AREA)
         return np.asarray(reduced, np.uint8)
 
 
@@ -233,13 +233,19 @@ def find(name: str) -> Environment:
 
 
 def _unknown(env_id: str) -> str:
-    known = {*gymnasium.registry, *listed()}
-    near = get_close_matches(env_id, known, n=3, cutoff=0.6)
-    near = near or [one for one in known if _VERSION.sub("", one) == _VERSION.sub("", env_id)]
-    meant = f" Did you mean {' or '.join(f'{PREFIX}{one}' for one in near)}?" if near else ""
+    ids = {*gymnasium.registry, *listed()}
+    close_ids = get_close_matches(env_id, ids, n=3, cutoff=0.6)
+    close_ids = close_ids or [
+        name for name in ids if _VERSION.sub("", name) == _VERSION.sub("", env_id)
+    ]
+    suggestion = (
+        f" Did you mean {' or '.join(f'{PREFIX}{name}' for name in close_ids)}?"
+        if close_ids
+        else ""
+    )
     return (
-        f"There is no Gymnasium environment {env_id!r} here.{meant} One of a package that has to be"
-        f" imported first is named {PREFIX}MODULE:ID."
+        f"There is no Gymnasium environment {env_id!r} here.{suggestion} One of a package that"
+        f" has to be imported first is named {PREFIX}MODULE:ID."
     )
 
 
@@ -252,7 +258,7 @@ def _import(module: str, name: str) -> None:
         UnsuitableEnvironment: It is of no such package, or cannot be imported.
     """
     top_level = module.partition(".")[0]
-    if top_level != "gymnasium" and top_level not in _packages_with_environments():
+    if top_level != "gymnasium" and top_level not in _environment_packages():
         raise UnsuitableEnvironment(
             f"{name} is not here: no package is installed that has a module {top_level!r} and"
             " requires gymnasium. Install it in the environment of Tril's processes."
@@ -264,7 +270,7 @@ def _import(module: str, name: str) -> None:
 
 
 @cache
-def _packages_with_environments() -> frozenset[str]:
+def _environment_packages() -> frozenset[str]:
     return frozenset(
         top_level
         for distribution in distributions()
@@ -275,9 +281,9 @@ def _packages_with_environments() -> frozenset[str]:
 
 def _top_levels(distribution: Distribution) -> set[str]:
     """Return the names of a distribution's modules, as far as it tells."""
-    told = (distribution.read_text("top_level.txt") or "").split()
+    modules = (distribution.read_text("top_level.txt") or "").split()
     # One that is installed as a link to its source lists no modules.
-    return {*told, distribution.name.replace("-", "_").lower()}
+    return {*modules, distribution.name.replace("-", "_").lower()}
 
 
 def title_of(env_id: str) -> str:

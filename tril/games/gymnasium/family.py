@@ -66,7 +66,7 @@ class Examined:
 
     Attributes:
         game: It as a game.
-        digest: Of the pictures seen, equal in every process.
+        digest: Digest of the pictures seen, equal in every process.
     """
 
     game: Game
@@ -134,16 +134,18 @@ def _game(environment: Environment, env: AnyEnv, picture: Picture, first: Screen
     )
 
 
-def _frame_rate_hz(told: Any, waits: bool) -> int:
-    known = isinstance(told, int | float) and told >= 1
-    rate_hz = min(FASTEST_RATE_HZ, round(told)) if known else DEFAULT_RATE_HZ
+def _frame_rate_hz(given_rate: Any, waits: bool) -> int:
+    is_valid = isinstance(given_rate, int | float) and given_rate >= 1
+    rate_hz = min(FASTEST_RATE_HZ, round(given_rate)) if is_valid else DEFAULT_RATE_HZ
     return max(rate_hz, SLOWEST_WAITING_HZ) if waits else rate_hz
 
 
 def _max_steps(of_spec: int | None, environment: Any) -> int:
     # Some count their steps themselves and tell the limit.
-    own = getattr(environment, "max_steps", None)
-    limits = [limit for limit in (of_spec, own) if isinstance(limit, int) and limit > 0]
+    environment_limit = getattr(environment, "max_steps", None)
+    limits = [
+        limit for limit in (of_spec, environment_limit) if isinstance(limit, int) and limit > 0
+    ]
     return max(MIN_STEPS, min([LONGEST_STEPS, *limits]))
 
 
@@ -158,69 +160,69 @@ def _check_determinism(
     Raises:
         UnsuitableEnvironment: They differ, or all are the same.
     """
-    seen, differs_at = _play_two(environment, env, picture, CHECKED_EVERY)
+    hashes, differs_at = _compare_environments(environment, env, picture, CHECKED_EVERY)
     if differs_at is not None:
         picture = replace(picture, every_frame=True)
-        seen, differs_at = _play_two(environment, environment.make(), picture, 1)
+        hashes, differs_at = _compare_environments(environment, environment.make(), picture, 1)
     if differs_at is None:
-        differs_at = _play_again(environment, env, picture, seen)
+        differs_at = _compare_replay(environment, env, picture, hashes)
     if differs_at is not None:
         raise UnsuitableEnvironment(
             f"{environment.name} is not deterministic: two games with the same seed and actions"
             f" differ at frame {differs_at}, so recordings could not be replayed."
         )
-    if len(set(seen)) == 1:
+    if len(set(hashes)) == 1:
         raise UnsuitableEnvironment(
-            f"{environment.name} cannot be shown: its picture did not change in {len(seen) - 1}"
+            f"{environment.name} cannot be shown: its picture did not change in {len(hashes) - 1}"
             " random actions."
         )
-    return picture, seen[min(CHECKED_EVERY, len(seen) - 1)]
+    return picture, hashes[min(CHECKED_EVERY, len(hashes) - 1)]
 
 
-def _play_two(
-    environment: Environment, env: AnyEnv, picture: Picture, every: int
+def _compare_environments(
+    environment: Environment, env: AnyEnv, picture: Picture, interval: int
 ) -> tuple[list[str], int | None]:
-    """Play the same in two environments in turn, so that a generator that they share shows.
+    """Play the same actions in two environments in turn, which reveals a shared generator.
 
     Args:
-        environment: What is played.
-        env: The first of the two.
-        picture: Its pictures.
-        every: Frames from one picture drawn in the second to the next.
+        environment: The environment.
+        env: The first instance.
+        picture: Pictures of the environment.
+        interval: Frames between pictures of the second instance.
 
     Returns:
-        Hashes of the first one's screens, and the frame at which the second differs, if any.
+        Hashes of the first instance's screens, and the frame at which the second differs, if any.
     """
     started_s = time.monotonic()
     first, second = _Player(environment, env), _Player(environment, environment.make())
-    seen = [screen_hash(picture.of(env))]
-    if screen_hash(picture.of(second.env)) != seen[0]:
-        return seen, 0
+    hashes = [screen_hash(picture.of(env))]
+    if screen_hash(picture.of(second.env)) != hashes[0]:
+        return hashes, 0
     for frame, action in enumerate(_actions(environment, env), start=1):
         first.act(action)
         second.act(action)
-        seen.append(screen_hash(picture.of(env)))
-        if frame % every == 0 and screen_hash(picture.of(second.env)) != seen[frame]:
-            return seen, frame
+        hashes.append(screen_hash(picture.of(env)))
+        if frame % interval == 0 and screen_hash(picture.of(second.env)) != hashes[frame]:
+            return hashes, frame
         if frame % CHECKED_EVERY == 0 and time.monotonic() - started_s > LONGEST_CHECK_S:
             break
-    return seen, None
+    return hashes, None
 
 
-def _play_again(
-    environment: Environment, env: AnyEnv, picture: Picture, seen: Sequence[str]
+def _compare_replay(
+    environment: Environment, env: AnyEnv, picture: Picture, hashes: Sequence[str]
 ) -> int | None:
-    """Return the frame at which a game differs that is played again after another one, if any."""
+    """Return the frame at which a replay after another game differs, None if it does not."""
     env.reset(seed=1)
     env.step(environment.first_action(env))
     player = _Player(environment, env)
-    if screen_hash(picture.of(env)) != seen[0]:
+    if screen_hash(picture.of(env)) != hashes[0]:
         return 0
-    every = 1 if picture.every_frame else CHECKED_EVERY
-    actions = _actions(environment, env)[: len(seen) // 2]
+    interval = 1 if picture.every_frame else CHECKED_EVERY
+    actions = _actions(environment, env)[: len(hashes) // 2]
     for frame, action in enumerate(actions, start=1):
         player.act(action)
-        if frame % every == 0 and screen_hash(picture.of(env)) != seen[frame]:
+        if frame % interval == 0 and screen_hash(picture.of(env)) != hashes[frame]:
             return frame
     return None
 

@@ -17,7 +17,7 @@ class Listed:
     """An environment that was seen to work.
 
     Attributes:
-        module: What registers it when it is imported.
+        module: Module that registers the environment on import.
         requires: Modules that it needs besides.
     """
 

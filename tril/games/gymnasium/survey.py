@@ -51,7 +51,7 @@ def _is_newest(env_id: str) -> bool:
 
 
 def requirements(module: str, env_id: str) -> list[str]:
-    """Return what else must be installed to draw an environment."""
+    """Return further packages needed to draw an environment."""
     if module != "gymnasium":
         return []
     entry_point = str(gymnasium.registry[env_id].entry_point)

@@ -8,11 +8,11 @@ from tril.games.space_invaders.memory import COLUMNS, ROWS
 
 def _column(number: int) -> Behaviour:
     place = {1: "the leftmost column", 6: "the rightmost column"}
-    what = place.get(number, f"column {number}, counted from the left,")
+    column = place.get(number, f"column {number}, counted from the left,")
     return Behaviour(
         slug=f"column-{number}",
         name=f"Column {number}",
-        description=f"Shoot all six aliens of {what} and no other, and stay alive.",
+        description=f"Shoot all six aliens of {column} and no other, and stay alive.",
         game="space_invaders",
         target=tuple((row, number - 1) for row in range(ROWS)),
     )

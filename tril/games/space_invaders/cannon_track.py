@@ -19,5 +19,5 @@ def cannon_track(memory: bytes, start: Start) -> Track:
     rows = np.frombuffer(memory, np.uint8).reshape(-1, game.RAM_SIZE)
     at = rows[:, game.RAM_PLAYER_X].astype(int)
     # A screen shows the cannon where it was a frame before.
-    shown = np.concatenate((at[:1], at[:-1]))
-    return Track(tuple((shown + offset).tolist()), game.CANNON_TOP, width, game.CANNON_HEIGHT)
+    shown_x = np.concatenate((at[:1], at[:-1]))
+    return Track(tuple((shown_x + offset).tolist()), game.CANNON_TOP, width, game.CANNON_HEIGHT)

@@ -22,8 +22,8 @@ class Channel:
     @classmethod
     def pair(cls) -> tuple[Self, socket.socket]:
         """Return a channel and the socket of its other end, for another process."""
-        ours, theirs = socket.socketpair()
-        return cls(ours), theirs
+        socket_here, socket_there = socket.socketpair()
+        return cls(socket_here), socket_there
 
     def set_timeout(self, timeout_s: int) -> None:
         """Make `receive` return None after so long without a message."""

@@ -68,9 +68,9 @@ class FinishedGame:
     score: float
 
     @property
-    def own_taken(self) -> tuple[Taken, ...]:
+    def own_items(self) -> tuple[Taken, ...]:
         """The items taken by the vector's own actions."""
-        return tuple(taken for taken in self.taken if taken.frame > self.own_from)
+        return tuple(item for item in self.taken if item.frame > self.own_from)
 
 
 @dataclass(frozen=True)
@@ -295,9 +295,9 @@ class GameGroup:
         demonstrations = DemonstrationStates(
             config.game, config.reset_distribution.demonstrations, config.end_rule, start_cache
         )
-        own = slice(config.games.start, config.games.stop)
+        games = slice(config.games.start, config.games.stop)
         self._half = shared.half[config.part : config.part + 1]
-        self._halves = [half[own] for half in shared.observations]
+        self._halves = [half[games] for half in shared.observations]
         self._views = agent_views(config.game, len(config.games), self._halves[0])
         self._slots = [
             GameSlot(index, config, shared, demonstrations, view, console)

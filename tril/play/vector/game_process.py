@@ -48,15 +48,15 @@ class GameProcess:
             memory_fd: file descriptor of the vector's shared memory.
         """
         self.games = config.games
-        self._channel, theirs = Channel.pair()
+        self._channel, child_socket = Channel.pair()
         # One thread each: the processes are the parallelism.
         environment = os.environ | {
             "PYTHONPATH": os.pathsep.join(os.path.abspath(path) for path in sys.path),
             "OMP_NUM_THREADS": "1",
             "OPENBLAS_NUM_THREADS": "1",
         }
-        with theirs:
-            fds = (theirs.fileno(), memory_fd)
+        with child_socket:
+            fds = (child_socket.fileno(), memory_fd)
             self._process = subprocess.Popen(
                 [sys.executable, "-c", _PROGRAM, *map(str, fds)],
                 pass_fds=fds,

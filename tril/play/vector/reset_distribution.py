@@ -65,7 +65,7 @@ class ResetDistribution(Protocol):
     def sample(
         self, rng: np.random.Generator, game_index: int, games_before: int
     ) -> Start | Opening | DemonstrationStep | None:
-        """Return where a game's next episode begins, None if it has none.
+        """Return the beginning of the game's next episode, None if it has none.
 
         Args:
             rng: the game's own generator.
@@ -151,7 +151,7 @@ class FixedStarts:
     @property
     def possible_starts(self) -> set[Start]:
         """The games' starts."""
-        return {start_of(one) for one in self.starts}
+        return {start_of(start) for start in self.starts}
 
     def check(self, n_games: int) -> None:
         """Check that there is one start per game."""
@@ -170,5 +170,5 @@ class FixedStarts:
         A game then does not depend on the other games of the vector.
         """
         start = start_of(self.starts[game_index])
-        earlier = sum(start_of(one) == start for one in self.starts[:game_index])
+        earlier = sum(start_of(begin) == start for begin in self.starts[:game_index])
         return (*start.key, earlier)

@@ -80,7 +80,7 @@ class VectorSnapshot:
 
     def to_arrays(self) -> dict[str, npt.NDArray[Any]]:
         """Return the snapshot as plain arrays, for a file without pickle."""
-        sizes = np.array([len(one) for one in self.games], np.int64)
+        sizes = np.array([len(game) for game in self.games], np.int64)
         return {"sizes": sizes, "games": np.frombuffer(b"".join(self.games), np.uint8)}
 
     @classmethod
@@ -169,9 +169,9 @@ class VectorGame:
         self._groups: Sequence[GameProcess | _LocalGroup] = processes
         try:
             if n_processes == 1 or len(configs) == 1:
-                self._groups = [_LocalGroup(one, self._shared) for one in configs]
+                self._groups = [_LocalGroup(config, self._shared) for config in configs]
             else:
-                processes.extend(GameProcess(one, memory_fd) for one in configs)
+                processes.extend(GameProcess(config, memory_fd) for config in configs)
                 if len(self.parts) == 1:
                     _pin_to_cores(processes)
             for process in processes:
@@ -216,19 +216,19 @@ class VectorGame:
     def step_wait(self, part: int = 0) -> VectorStep:
         """Return the result of the step that step_async began."""
         games = self.parts[part]
-        own = slice(games.start, games.stop)
+        part_games = slice(games.start, games.stop)
         finished: list[FinishedGame] = []
         for reply in self._receive(part):
             finished.extend(reply or ())
         ends: list[str | None] = [None] * len(games)
-        for one in finished:
-            ends[one.game - games.start] = one.end
+        for game in finished:
+            ends[game.game - games.start] = game.end
         return VectorStep(
             observations=self._observations_of(part),
-            ended=self._shared.ended[own].copy(),
-            terminal_observations=self._shared.terminal_observations[own],
+            ended=self._shared.ended[part_games].copy(),
+            terminal_observations=self._shared.terminal_observations[part_games],
             ends=tuple(ends),
-            steps=self._shared.steps[own].copy(),
+            steps=self._shared.steps[part_games].copy(),
             finished=tuple(finished),
         )
 
@@ -239,8 +239,8 @@ class VectorGame:
 
     def _observations_of(self, part: int) -> Observation:
         games = self.parts[part]
-        own = self._shared.observations[self._shared.half[part], games.start : games.stop]
-        return np.asarray(own, np.uint8)
+        observations = self._shared.observations[self._shared.half[part], games.start : games.stop]
+        return np.asarray(observations, np.uint8)
 
     def _observations(self) -> Observation:
         if len(self.parts) == 1:
@@ -250,7 +250,7 @@ class VectorGame:
     def snapshot(self) -> VectorSnapshot:
         """Return the state of the games and their generators."""
         groups = self._call_all(Command.SNAPSHOT)
-        return VectorSnapshot(tuple(one for group in groups for one in group))
+        return VectorSnapshot(tuple(snapshot for group in groups for snapshot in group))
 
     def restore(self, snapshot: VectorSnapshot) -> Observation:
         """Restore a snapshot of a vector with as many games and the same settings.
@@ -287,7 +287,7 @@ class VectorGame:
         return [reply for part in range(len(self.parts)) for reply in self._receive(part)]
 
     def _groups_of(self, part: int) -> list[GameProcess | _LocalGroup]:
-        return [one for one in self._groups if one.games.start in self.parts[part]]
+        return [group for group in self._groups if group.games.start in self.parts[part]]
 
     def _check_free(self, part: int) -> None:
         if not self._finalizer.alive:

@@ -41,10 +41,10 @@ class Identity:
 
     Attributes:
         credential_id: The browser or key that shows who it is.
-        kind: Which of the two.
+        kind: Kind of the credential.
         player_id: The person.
-        role: What they may do.
-        behaviour_ids: What a participant may play.
+        role: Role of the player.
+        behaviour_ids: Behaviours that a participant plays.
         secret_hash: The hash of the credential's secret.
     """
 
@@ -61,8 +61,8 @@ class Identity:
         return self.role is Role.PARTICIPANT
 
     @property
-    def sees_only(self) -> int | None:
-        """The person whose recordings they see; None for everybody's."""
+    def visible_player_id(self) -> int | None:
+        """The only player whose recordings this identity sees; None for all players."""
         return self.player_id if self.is_participant else None
 
 
@@ -78,7 +78,7 @@ def secret_from(secret: str, key: str) -> str:
 
 
 def hash_of(secret: str) -> str:
-    """Return what is stored of a secret; it is random, so it needs no slow hash."""
+    """Return the stored hash of a secret; it is random, so it needs no slow hash."""
     return hashlib.sha256(secret.encode()).hexdigest()
 
 
@@ -139,10 +139,10 @@ def find(session: Session, secret_hash: str) -> Identity | None:
         .join(PlayerRow, CredentialRow.player_id == PlayerRow.id)
         .where(CredentialRow.secret_hash == secret_hash, _is_valid())
     )
-    found = session.execute(query).one_or_none()
-    if found is None:
+    match = session.execute(query).one_or_none()
+    if match is None:
         return None
-    row, persons_role = found
+    row, persons_role = match
     memberships = select(MembershipRow.behaviour_id).where(MembershipRow.player_id == row.player_id)
     return Identity(
         row.id,
@@ -194,8 +194,8 @@ def end(
     note_change(session, CHANGES, row.id)
 
 
-def sign_everybody_out(session: Session, by_player_id: int | None = None) -> int:
-    """Sign every browser out, and return how many there were; keys stay valid."""
+def sign_out_all_browsers(session: Session, by_player_id: int | None = None) -> int:
+    """Sign every browser out and return their number; keys stay valid."""
     rows = listing(session, CredentialKind.BROWSER)
     for row in rows:
         row.ended_at = now()
@@ -204,8 +204,8 @@ def sign_everybody_out(session: Session, by_player_id: int | None = None) -> int
     return len(rows)
 
 
-def note_seen(session: Session, credential_ids: Collection[int]) -> None:
-    """Note that credentials were used just now."""
+def note_use(session: Session, credential_ids: Collection[int]) -> None:
+    """Note the current time as the last use of credentials."""
     query = update(CredentialRow).where(CredentialRow.id.in_(credential_ids))
     session.execute(query.values(seen_at=now()))
 

@@ -47,11 +47,11 @@ def make(
     Args:
         session: The transaction.
         name: Whom it is for.
-        role: What they become.
-        behaviour_id: What a participant may play.
-        by_player_id: Who makes it; None for a command in the terminal.
-        max_uses: How many people it lets in.
-        days: After which it lets nobody in any more.
+        role: Role of invited people.
+        behaviour_id: Behaviour that a participant plays.
+        by_player_id: Player that makes the invitation; None for a command in the terminal.
+        max_uses: Most people that may use the invitation.
+        days: Lifetime in days.
 
     Raises:
         Invalid: It has no name, is for another owner, lacks a participant's behaviour, or a bound
@@ -67,9 +67,9 @@ def make(
         raise Invalid(
             "Name the behaviour that a participant is to play; researchers see all behaviours."
         )
-    for value, most, what in ((max_uses, MAX_USES, "people"), (days, MAX_DAYS, "days")):
-        if not 1 <= value <= most:
-            raise Invalid(f"A link lets people in for 1 to {most} {what}, got {value}.")
+    for value, maximum, unit in ((max_uses, MAX_USES, "people"), (days, MAX_DAYS, "days")):
+        if not 1 <= value <= maximum:
+            raise Invalid(f"A link lets people in for 1 to {maximum} {unit}, got {value}.")
     if behaviour_id is not None:
         behaviours.get(session, behaviour_id)
     if len(listing(session, limit=MAX_INVITATIONS)) >= MAX_INVITATIONS:
@@ -136,7 +136,7 @@ def accept(
     browser_secret = None
     if len(form_key) >= FORM_KEY_LENGTH:
         browser_secret = credentials.secret_from(secret, form_key)
-        known = session.execute(
+        invitation = session.execute(
             select(InvitationRow.behaviour_id)
             .join(CredentialRow, CredentialRow.invitation_id == InvitationRow.id)
             .where(
@@ -145,8 +145,8 @@ def accept(
                 CredentialRow.ended_at.is_(None),
             )
         ).one_or_none()
-        if known is not None:
-            return browser_secret, known.behaviour_id
+        if invitation is not None:
+            return browser_secret, invitation.behaviour_id
     row = find(session, secret)
     if row is None:
         raise NotFound("This invitation is not valid any more. Ask for a new link.")

@@ -27,9 +27,9 @@ class Person:
 
     Attributes:
         id: The person.
-        name: Their name.
-        role: What they may do.
-        behaviour_ids: What they play as a participant.
+        name: Name of the person.
+        role: Role of the person.
+        behaviour_ids: Behaviours that a participant plays.
     """
 
     id: int
@@ -39,7 +39,7 @@ class Person:
 
 
 def people(session: Session, after: int = 0, limit: int | None = None) -> list[Person]:
-    """Return who has been let in, and the owner; not those whose games were imported.
+    """Return the people who have been let in, and the owner; not the players of imported games.
 
     Args:
         session: The transaction.
@@ -70,9 +70,9 @@ def change(
     Args:
         session: The transaction.
         player_id: Whom.
-        role: What they become.
-        behaviour_id: What they play as a participant besides what they could already.
-        by_player_id: Who says so; None for a command in the terminal.
+        role: New role.
+        behaviour_id: Further behaviour of a participant.
+        by_player_id: Player that makes the change; None for a command in the terminal.
 
     Raises:
         NotFound: There is no such person, or no such behaviour.

@@ -23,7 +23,7 @@ class ArtifactDamaged(Unavailable):
 
     Attributes:
         run_id: The run.
-        kind: What the file is.
+        kind: Kind of the file.
     """
 
     def __init__(self, run_id: str, kind: str) -> None:
@@ -59,12 +59,12 @@ def save(
     Args:
         session: The transaction.
         run_id: The run.
-        kind: What it is.
-        name: Its name, which is unique in the run.
-        media_type: Its media type.
-        size_bytes: Its size.
+        kind: Kind of the artifact.
+        name: Name of the artifact, unique in the run.
+        media_type: Media type of the file.
+        size_bytes: Size of the file.
         details: Describe it.
-        sha256: Its digest, see ``digest``; None takes it for good whenever it is read.
+        sha256: Digest of the file, see ``digest``; None takes it for good whenever it is read.
     """
     row = find(session, run_id, name)
     if row is None:
@@ -104,7 +104,7 @@ def local_file(database: Database, store: ArtifactStore, run_id: str, kind: str)
 
     Raises:
         NotFound: The run has none yet.
-        ArtifactDamaged: Its content is not what was written.
+        ArtifactDamaged: The content differs from what was written.
     """
     with database.reading() as session:
         row = of_kind(session, run_id, kind)

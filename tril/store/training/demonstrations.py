@@ -22,11 +22,11 @@ def best_demonstration(session: Session, run: RunRow) -> RecordingRow | None:
         return None
     ids = dict.fromkeys(run.snapshot.recordings)
     rows = recordings.by_ids(session, ids)
-    known = [rows[one] for one in ids if one in rows]
+    found_rows = [rows[recording_id] for recording_id in ids if recording_id in rows]
     behaviour = behaviours.as_behaviour(session.get_one(BehaviourRow, run.behaviour_id))
 
     def worth(row: RecordingRow) -> int:
-        found = score(behaviour, cells_of(row))
-        return 0 if found is None else found.worth
+        outcome = score(behaviour, cells_of(row))
+        return 0 if outcome is None else outcome.worth
 
-    return max(known, key=worth, default=None)
+    return max(found_rows, key=worth, default=None)

@@ -47,12 +47,12 @@ def add(
     Args:
         session: The transaction.
         run_id: The run whose policy played.
-        key: Which game.
-        recording_id: Its recording.
+        key: Key of the game.
+        recording_id: Recording of the game.
         held_out: Whether no demonstration of the run began from this start.
         predicted_return: Sum of R over the game's observations.
         final_level: Mean level of R of its last 25 states.
-        score: Its hits compared with the target; None for behaviours without one.
+        score: Score against the target; None for behaviours without one.
     """
     row = EvaluationRow(
         run_id=run_id,
@@ -72,7 +72,7 @@ def add(
 
 
 def played(session: Session, run_id: str) -> set[EvaluationKey]:
-    """Return which games of a run have been played."""
+    """Return the keys of a run's played games."""
     query = select(EvaluationRow.policy, EvaluationRow.action_selection, EvaluationRow.start_number)
     rows = session.execute(query.where(EvaluationRow.run_id == run_id))
     return {EvaluationKey(*row) for row in rows}

@@ -41,7 +41,7 @@ def judged_games(
     Args:
         session: The transaction.
         run: The run.
-        games: Its evaluation games, loaded with their recordings.
+        games: Evaluation games of the run, loaded with their recordings.
 
     Returns:
         By player; empty for behaviours without target cells, whose games have no true quantity.
@@ -50,30 +50,30 @@ def judged_games(
     if behaviour.target is None:
         return []
     measure, predicted = _measure_of(run.outcome.check, games)
-    found: dict[tuple[PlayerKind, bool], list[JudgedGame]] = defaultdict(list)
+    games_by_player: dict[tuple[PlayerKind, bool], list[JudgedGame]] = defaultdict(list)
     for number, row in recordings.by_ids(session, list(predicted)).items():
         worth = score(behaviour, cells_of(row))
         assert worth is not None
         quantity = true_quantity(worth.targets, worth.strays)
         game = JudgedGame(quantity, predicted[number], number)
-        found[PLAYERS[row.source], True].append(game)
+        games_by_player[PLAYERS[row.source], True].append(game)
     for played in games:
         value = played.final_level if measure == "final_level" else played.predicted_return
         if value is None or played.targets is None or played.strays is None:
             continue
         quantity = true_quantity(played.targets, played.strays)
         game = JudgedGame(quantity, value, played.recording_id)
-        found[cast(PlayerKind, played.policy), False].append(game)
+        games_by_player[cast(PlayerKind, played.policy), False].append(game)
     return [
-        JudgedGames(player, demonstrated, measure, tuple(found[player, demonstrated]))
-        for player, demonstrated in sorted(found, key=_place)
+        JudgedGames(player, demonstrated, measure, tuple(games_by_player[player, demonstrated]))
+        for player, demonstrated in sorted(games_by_player, key=_place)
     ]
 
 
 def _measure_of(
     check: CheckOutcome | None, games: Sequence[EvaluationRow]
 ) -> tuple[Measure, dict[int, float]]:
-    """Return what all games can be judged by, and what it is of the demonstrations, by id."""
+    """Return the measure that can judge all games, and its values for demonstrations, by id."""
     if check is None:
         return "predicted_return", {}
     if check.final_levels and all(game.final_level is not None for game in games):

@@ -20,11 +20,11 @@ Series = dict[str, dict[str, Curve]]
 
 def add(session: Session, run_id: str, stage: str, step: int, values: Mapping[str, float]) -> None:
     """Add a point to several series of a stage; merged with an earlier one at the same step."""
-    here = (MetricRow.run_id == run_id, MetricRow.stage == stage, MetricRow.step == step)
-    earlier = session.scalar(select(MetricRow).where(*here))
+    conditions = (MetricRow.run_id == run_id, MetricRow.stage == stage, MetricRow.step == step)
+    earlier = session.scalar(select(MetricRow).where(*conditions))
     merged = {**(earlier.values if earlier else {}), **values}
     if earlier is not None:
-        session.execute(delete(MetricRow).where(*here))
+        session.execute(delete(MetricRow).where(*conditions))
     session.add(MetricRow(run_id=run_id, stage=stage, step=step, values=merged))
     session.flush()
 
@@ -62,8 +62,8 @@ def curves(
         most: As for series.
     """
     values = (MetricRow.values[name].as_float() for name in names)
-    wanted = (MetricRow.run_id == run_id, MetricRow.stage == stage)
-    chosen = _thinned(session, wanted, most).get(stage, wanted)
+    conditions = (MetricRow.run_id == run_id, MetricRow.stage == stage)
+    chosen = _subsampled(session, conditions, most).get(stage, conditions)
     rows = session.execute(
         select(MetricRow.step, *values).where(*chosen).order_by(MetricRow.step)
     ).all()
@@ -91,45 +91,52 @@ def series(
     Returns:
         The newest point's id, for the next call, and the points.
     """
-    wanted = (MetricRow.run_id == run_id, MetricRow.id > after)
-    last = session.scalar(select(func.max(MetricRow.id)).where(*wanted))
-    found = Series()
-    for stage, chosen in _thinned(session, wanted, most).items():
-        by_name = found.setdefault(stage, {})
-        points = select(MetricRow.step, MetricRow.values).where(*chosen).order_by(MetricRow.step)
+    conditions = (MetricRow.run_id == run_id, MetricRow.id > after)
+    last = session.scalar(select(func.max(MetricRow.id)).where(*conditions))
+    curves_by_stage = Series()
+    for stage, stage_conditions in _subsampled(session, conditions, most).items():
+        by_name = curves_by_stage.setdefault(stage, {})
+        points = (
+            select(MetricRow.step, MetricRow.values)
+            .where(*stage_conditions)
+            .order_by(MetricRow.step)
+        )
         for step, values in session.execute(points):
             for name, value in values.items():
                 by_name.setdefault(name, []).append((step, value))
-    return last or after, found
+    return last or after, curves_by_stage
 
 
-def _thinned(session: Session, wanted: Conditions, most: int | None) -> dict[str, Conditions]:
-    """Return conditions for about ``most`` of the wanted points of each stage, by stage."""
+def _subsampled(session: Session, selection: Conditions, most: int | None) -> dict[str, Conditions]:
+    """Return conditions, by stage, that select about ``most`` points of each."""
     stages = session.execute(
         select(MetricRow.stage, func.count(), func.min(MetricRow.step), func.max(MetricRow.step))
-        .where(*wanted)
+        .where(*selection)
         .group_by(MetricRow.stage)
         .order_by(MetricRow.stage)
     )
-    found: dict[str, Conditions] = {}
+    conditions: dict[str, Conditions] = {}
     for stage, n_points, first, last in stages:
-        here = (*wanted, MetricRow.stage == stage)
+        stage_conditions = (*selection, MetricRow.stage == stage)
         if most is not None and n_points > most:
-            kept = _apart(here, first, max(1, (last - first) // most))
-            here = (*here, or_(MetricRow.step.in_(select(kept.c.step)), MetricRow.step == last))
-        found[stage] = here
-    return found
+            chosen_steps = _spaced_steps(stage_conditions, first, max(1, (last - first) // most))
+            stage_conditions = (
+                *stage_conditions,
+                or_(MetricRow.step.in_(select(chosen_steps.c.step)), MetricRow.step == last),
+            )
+        conditions[stage] = stage_conditions
+    return conditions
 
 
-def _apart(here: Conditions, first: int, width: int) -> CTE:
-    """Return the first step and, from each on, the next that is at least ``width`` beyond it.
+def _spaced_steps(conditions: Conditions, first: int, width: int) -> CTE:
+    """Return the first step and later ones at least ``width`` apart.
 
-    Each is looked up in the index, so that the many points between them are not read.
+    Each is looked up in the index; points between them are not read.
     """
-    kept = select(literal(first).label("step")).cte("kept", recursive=True)
-    then = (
+    chosen_steps = select(literal(first).label("step")).cte("kept", recursive=True)
+    next_step = (
         select(func.min(MetricRow.step))
-        .where(*here, MetricRow.step >= kept.c.step + width)
+        .where(*conditions, MetricRow.step >= chosen_steps.c.step + width)
         .scalar_subquery()
     )
-    return kept.union_all(select(then).where(kept.c.step.is_not(None)))
+    return chosen_steps.union_all(select(next_step).where(chosen_steps.c.step.is_not(None)))

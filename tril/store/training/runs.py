@@ -27,8 +27,8 @@ def count_queued(session: Session, *further: ColumnElement[bool]) -> int:
     return session.scalar(select(func.count()).select_from(RunRow).where(*queued)) or 0
 
 
-def count_made_by(session: Session, player_id: int) -> int:
-    """Return the number of runs that a person has made, deleted ones included."""
+def count_of_player(session: Session, player_id: int) -> int:
+    """Return the number of a player's runs, including deleted ones."""
     query = select(func.count()).select_from(RunRow).where(RunRow.player_id == player_id)
     return session.scalar(query) or 0
 
@@ -56,10 +56,10 @@ def get_done(session: Session, run_id: str) -> RunRow:
 
 def lineage(session: Session, row: RunRow) -> list[RunRow]:
     """Return a run, the run that it continues, and so on; deleted ones too."""
-    found = [row]
-    while (parent := found[-1].parent_run_id) is not None:
-        found.append(session.get_one(RunRow, parent))
-    return found
+    rows = [row]
+    while (parent := rows[-1].parent_run_id) is not None:
+        rows.append(session.get_one(RunRow, parent))
+    return rows
 
 
 def listing(
@@ -98,8 +98,8 @@ def listing(
     return list(session.scalars(query.order_by(RunRow.created_at.desc(), RunRow.id).limit(limit)))
 
 
-def not_over(session: Session) -> list[RunRow]:
-    """Return the runs that are not over, oldest first."""
+def unfinished(session: Session) -> list[RunRow]:
+    """Return the unfinished runs, oldest first."""
     query = select(RunRow).where(RunRow.deleted_at.is_(None), RunRow.status.in_(NOT_OVER))
     return list(session.scalars(query.order_by(RunRow.created_at, RunRow.id)))
 
@@ -118,7 +118,7 @@ def queue_position(session: Session, row: RunRow) -> int | None:
 
 
 def not_resumable(session: Session, run_ids: Iterable[str]) -> list[str]:
-    """Return which of these runs are done or deleted and so can't be resumed."""
+    """Return those of these runs that can't be resumed: done or deleted ones."""
     query = select(RunRow.id).where(
         RunRow.id.in_(list(run_ids)),
         (RunRow.status == RunStatus.DONE) | RunRow.deleted_at.is_not(None),

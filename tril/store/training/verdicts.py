@@ -17,12 +17,12 @@ from tril.store.training.demonstrations import best_demonstration
 
 
 def verdict_of(session: Session, run: RunRow, alarm: RewardAlarm | None) -> Verdict | None:
-    """Return what came of a run, in words; None until it is over.
+    """Return the verdict on a run; None until it is over.
 
     Args:
         session: The transaction.
         run: The run.
-        alarm: Its reward alarm, if there is one.
+        alarm: Reward alarm of the run, if there is one.
     """
     status = RunStatus(run.status)
     if not status.is_over:

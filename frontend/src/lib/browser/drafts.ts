@@ -24,14 +24,14 @@ export function writeDraft(key: string, value: unknown): void {
 export function dropDraft(key: string): void {
   const drafts = all();
   if (key in drafts)
-    store(Object.fromEntries(Object.entries(drafts).filter(([one]) => one !== key)));
+    store(Object.fromEntries(Object.entries(drafts).filter(([draftKey]) => draftKey !== key)));
   setUnsaved(key, false);
 }
 
 /** Forgets all drafts, which are one person's. */
 export function forgetDrafts(): void {
   store({});
-  [...unsaved].forEach((what) => setUnsaved(what, false));
+  [...unsaved].forEach((draft) => setUnsaved(draft, false));
 }
 
 export function subscribeToDrafts(listener: () => void): () => void {
@@ -40,9 +40,9 @@ export function subscribeToDrafts(listener: () => void): () => void {
 }
 
 /** Has leaving the page ask as long as something is not saved. */
-export function setUnsaved(what: string, is: boolean): void {
-  if (is) unsaved.add(what);
-  else unsaved.delete(what);
+export function setUnsaved(draft: string, is: boolean): void {
+  if (is) unsaved.add(draft);
+  else unsaved.delete(draft);
   if (typeof window === "undefined") return;
   // A page that always listens is never kept for the browser's way back.
   if (unsaved.size > 0) window.addEventListener("beforeunload", ask);

@@ -43,7 +43,7 @@ export function signsOf({ code, key }: Pressed): readonly string[] {
 
 /** Returns what is at a key's likeliest sign that a table has; undefined if it has none. */
 export function ofSigns<T>(table: Readonly<Record<string, T>>, pressed: Pressed): T | undefined {
-  const sign = signsOf(pressed).find((one) => Object.hasOwn(table, one));
+  const sign = signsOf(pressed).find((candidate) => Object.hasOwn(table, candidate));
   return sign === undefined ? undefined : table[sign];
 }
 

@@ -111,8 +111,8 @@ export class RecordedFrames {
     while (from > 0 && !this.frames[from]?.isKey) from -= 1;
     const next = this.at <= target && this.at >= from ? this.at + 1 : from;
     for (let i = next; i <= target; i += 1) {
-      const one = this.frames[i];
-      if (one) this.decoder.apply(one.payload, one.isKey);
+      const encoded = this.frames[i];
+      if (encoded) this.decoder.apply(encoded.payload, encoded.isKey);
     }
     this.at = target;
     return this.decoder.pixels;

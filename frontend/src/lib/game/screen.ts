@@ -108,6 +108,6 @@ export function screenScale(width: number, height: number, screen: ScreenShape):
 
 const TOLERANCE = 1e-9;
 
-function isCloser(one: number, other: number, aspect: number): boolean {
-  return Math.abs(Math.log(one / aspect)) < Math.abs(Math.log(other / aspect));
+function isCloser(ratio: number, otherRatio: number, aspect: number): boolean {
+  return Math.abs(Math.log(ratio / aspect)) < Math.abs(Math.log(otherRatio / aspect));
 }

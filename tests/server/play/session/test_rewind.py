@@ -289,7 +289,7 @@ def test_a_game_resumed_near_a_checkpoint_is_the_game() -> None:
         recorder.advance(action)
     until = recorder.recording().until(170)
     resumed = Recorder.resume(
-        until, SPACE_INVADERS.make_console(), near=checkpoints.latest_until(170)
+        until, SPACE_INVADERS.make_console(), nearest_state=checkpoints.latest_until(170)
     )
     assert resumed.recording() == until
     assert resumed.replay() == Recorder.resume(until, SPACE_INVADERS.make_console()).replay()

@@ -120,7 +120,7 @@ def test_a_vector_gives_the_trajectories_of_one_console(console: Console) -> Non
         np.testing.assert_array_equal(terminal[index], game.observation)
         finished = next(one for one in trace.finished if one.game == index)
         assert finished.actions == game.episode.actions
-        assert finished.taken == finished.own_taken == game.taken
+        assert finished.taken == finished.own_items == game.taken
         assert (finished.end, finished.counters["shots"]) == (
             game.end,
             game.episode.counters["shots"],
@@ -167,7 +167,7 @@ def test_games_begin_in_the_states_of_a_demonstration_and_keep_its_clock() -> No
         assert one.start == DEMONSTRATION.start
         assert one.actions[:frames] == DEMONSTRATION.actions[:frames]
         assert len(one.actions) <= MAX_FRAMES
-        assert all(hit.frame > frames for hit in one.own_taken)
+        assert all(hit.frame > frames for hit in one.own_items)
     whole = [one for one in trace.finished if one.end == EndReason.STEPS]
     assert whole
     assert {len(one.actions) for one in whole} == {MAX_FRAMES}
@@ -183,7 +183,7 @@ def test_games_begin_after_an_opening_that_their_recordings_hold(console: Consol
         for action in one.actions:
             game.advance(action)
         assert (game.end, game.taken) == (one.end, one.taken)
-        assert one.own_taken == one.taken
+        assert one.own_items == one.taken
 
 
 def test_an_evaluation_opening_is_fixed_and_differs_from_the_others() -> None:
