@@ -25,8 +25,7 @@ PAPER = Recipe(
 FAST = Recipe(
     name="fast",
     summary=(
-        "Recommended; minutes on a laptop: infers which aliens the order asks for and begins with"
-        " a clone."
+        "Minutes on a laptop: infers which aliens the order asks for and begins with a clone."
     ),
     default_steps=600_000,
     ordered_steps=1_800_000,

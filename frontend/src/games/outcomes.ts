@@ -1,14 +1,14 @@
 /** Describes how games came out: their results, lengths and ends. */
 import { plural, t } from "@lingui/core/macro";
 
-import type { TaughtGame } from "@/api/types";
+import type { Behaviour, MeasuredValue, TaughtGame } from "@/api/types";
 import { measured, seconds } from "@/lib/format";
 import { strayWords } from "@/lib/game/items";
 
+import { metText } from "./measures";
 import { capitalised, wordsOf } from "./words";
 
 interface Score {
-  readonly hits: { readonly length: number };
   readonly targets: number | null;
   readonly strays: number | null;
   readonly order_errors: number | null;
@@ -29,27 +29,38 @@ export function describeEnd(end: string | null, game: TaughtGame): string {
   return wordsOf(game).ends()[end] ?? end.replaceAll("_", " ");
 }
 
+interface Result extends Score {
+  readonly score?: number | null;
+  readonly measured?: readonly MeasuredValue[];
+}
+
 /**
- * Describes the result of a game: "5 of 6 targets, 1 stray", what was taken where there is no
- * target, or the score of a game in which nothing can be taken.
+ * Describes the result of a game: "5 of 6 targets, 1 stray, 1 of 2 measures met". Without a target
+ * nothing is said of items: their number says nothing of the behaviour. Empty if there is nothing.
  */
-export function describeScore(
-  recording: Score & { readonly score?: number | null },
-  nTargets: number | null,
+export function describeResult(
+  recording: Result,
+  { target, measures }: Pick<Behaviour, "target" | "measures">,
   game: TaughtGame,
 ): string {
-  const { targets, strays, hits, order_errors: errors, score } = recording;
-  if (targets === null || strays === null) {
-    if (game.items) return wordsOf(game).taken(hits.length);
-    return typeof score === "number" ? t`Score ${measuredScore(score)}` : "";
+  const met = metText(recording.measured ?? [], measures);
+  return [...scoreParts(recording, target?.length, game), met].filter(Boolean).join(", ");
+}
+
+function scoreParts(
+  { targets, strays, order_errors: errors, score }: Result,
+  nTargets: number | undefined,
+  game: TaughtGame,
+): readonly string[] {
+  if (targets === null || strays === null || nTargets === undefined) {
+    if (game.items || typeof score !== "number") return [];
+    return [t`Score ${measuredScore(score)}`];
   }
-  const parts = [
-    nTargets === null ? t`${targets} targets` : t`${targets} of ${nTargets} targets`,
+  return [
+    t`${targets} of ${nTargets} targets`,
     strayWords(strays),
+    errors ? plural(errors, { one: "# hit out of order", other: "# hits out of order" }) : "",
   ];
-  if (errors)
-    parts.push(plural(errors, { one: "# hit out of order", other: "# hits out of order" }));
-  return parts.join(", ");
 }
 
 function measuredScore(score: number): string {
@@ -89,18 +100,17 @@ export function isLost(end: string | null, game: TaughtGame): boolean {
   return kind === "death" || kind === "failed";
 }
 
-/** Says what a game lacks to be perfect: "it missed 2 targets"; empty if nothing. */
+/**
+ * Says what a game lacks to be perfect: "it missed 2 targets"; empty if nothing. That it was lost
+ * counts where the behaviour asks for targets or for survival.
+ */
 export function imperfections(
-  {
-    targets,
-    strays,
-    order_errors: errors,
-    end,
-  }: Omit<Score, "hits"> & { readonly end: string | null },
-  nTargets: number | null,
+  { targets, strays, order_errors: errors, end }: Score & { readonly end: string | null },
+  { target, measures }: Pick<Behaviour, "target" | "measures">,
   game: TaughtGame,
 ): readonly string[] {
-  const missed = nTargets === null || targets === null ? 0 : nTargets - targets;
+  const missed = target === null || targets === null ? 0 : target.length - targets;
+  const mustSurvive = target !== null || measures.some(({ kind }) => kind === "alive");
   return [
     ...(missed > 0
       ? [plural(missed, { one: "it missed # target", other: "it missed # targets" })]
@@ -109,7 +119,9 @@ export function imperfections(
     ...(errors
       ? [plural(errors, { one: "# hit came out of order", other: "# hits came out of order" })]
       : []),
-    ...(kindOf(end, game) === "death" ? [t`it was lost: ${describeEnd(end, game)}`] : []),
+    ...(mustSurvive && kindOf(end, game) === "death"
+      ? [t`it was lost: ${describeEnd(end, game)}`]
+      : []),
   ];
 }
 

@@ -12,14 +12,10 @@ export interface GameWords {
   rules: () => Readonly<Record<string, string>>;
   /** Things and counts of the game, by what the server calls them. */
   titles: () => Readonly<Record<string, string>>;
-  /** "3 bricks broken". */
-  taken: (count: number) => string;
-  /** "Bricks broken". */
-  takenTitle: () => string;
   /** "No brick broken". */
   noneTaken: () => string;
-  /** "Bricks". */
-  several: () => string;
+  /** "Bricks broken". */
+  takenTitle: () => string;
   /** "Brick in row 1, column 2". */
   at: (cell: string) => string;
   /** "3 bricks chosen". */

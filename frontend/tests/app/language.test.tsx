@@ -9,9 +9,9 @@ import { PlayerMenu } from "@/app/layout/PlayerMenu";
 import { Localised } from "@/app/Localised";
 import { bytes, fixed, moment, ordinal, percent, whole } from "@/lib/format";
 import { i18n } from "@/lib/i18n";
-import { describeScore } from "@/games/outcomes";
+import { describeCourse, describeResult } from "@/games/outcomes";
 
-import { recording } from "../support/data";
+import { behaviour, recording } from "../support/data";
 import { SPACE_INVADERS } from "../support/games";
 import { show } from "../support/page";
 import { serve } from "../support/server";
@@ -108,8 +108,9 @@ describe("a text", () => {
   });
 
   it("has the plural of its own language", async () => {
+    const column = behaviour({ target: Array.from({ length: 6 }, (_, row) => [row, 0]) });
     const score = (n: number) =>
-      describeScore({ ...recording(), targets: 3, strays: n }, 6, SPACE_INVADERS);
+      describeResult({ ...recording(), targets: 3, strays: n }, column, SPACE_INVADERS);
     expect([score(0), score(1), score(2)]).toEqual([
       "3 of 6 targets, no strays",
       "3 of 6 targets, 1 stray",
@@ -120,16 +121,12 @@ describe("a text", () => {
       "3 von 6 Zielen, keine Fehltreffer",
       "3 von 6 Zielen, 1 Fehltreffer",
     ]);
-    const [one] = recording().hits;
-    if (!one) throw new Error("The recording has no hit.");
-    const hit = (n: number) =>
-      describeScore(
-        { ...recording(), targets: null, hits: Array.from({ length: n }, () => one) },
-        null,
-        SPACE_INVADERS,
-      );
-    expect(hit(1)).toBe("1 Alien getroffen");
-    expect(hit(2)).toBe("2 Aliens getroffen");
+    const course = (n: number) =>
+      describeCourse({ ...recording(), end: null, n_steps: n }, SPACE_INVADERS);
+    expect([course(1), course(2)]).toEqual([
+      "1 Schritt, 20,0\u00a0s, vorzeitig beendet",
+      "2 Schritte, 20,0\u00a0s, vorzeitig beendet",
+    ]);
   });
 });
 

@@ -1,14 +1,15 @@
 import { describe, expect, it } from "vitest";
 
+import type { Measure, MeasuredValue } from "@/api/types";
 import {
   describeCourse,
-  describeScore,
+  describeResult,
   endSentence,
   imperfections,
   isLost,
 } from "@/games/outcomes";
 
-import { recording } from "../support/data";
+import { behaviour, recording } from "../support/data";
 import { CART_POLE, PONG, SPACE_INVADERS } from "../support/games";
 
 describe("the course of a game", () => {
@@ -31,24 +32,34 @@ describe("the course of a game", () => {
       "The pole fell after 2.0\u00a0s",
     );
     expect(isLost("fell", game)).toBe(true);
-    expect(imperfections(recording({ end: "fell" }), null, game)).toEqual([
+    const asksForSurvival = behaviour({ target: null, measures: [{ kind: "alive" }] });
+    expect(imperfections(recording({ end: "fell" }), asksForSurvival, game)).toEqual([
       "it was lost: the pole fell",
     ]);
+    const saysNothing = behaviour({ target: null });
+    expect(imperfections(recording({ end: "fell" }), saysNothing, game)).toEqual([]);
   });
 });
 
 describe("the result of a game", () => {
-  it("is what was taken where there are items, else the score", () => {
-    const game = recording({ targets: null, strays: null, score: 12 });
-    expect(describeScore(game, null, SPACE_INVADERS)).toBe("1 alien hit");
-    expect(describeScore(game, null, PONG)).toBe("Score 12");
-    expect(describeScore({ ...game, score: -2 }, null, PONG)).toBe("Score −2");
+  const score: Measure = { kind: "score", at_least: 10 };
+  const met: MeasuredValue = { unit: "points", value: 12, known: true, met: true };
+
+  it("is its targets, and the measures that it meets", () => {
+    const game = recording({ targets: 1, strays: 2, measured: [met] });
+    expect(describeResult(game, behaviour({ measures: [score] }), SPACE_INVADERS)).toBe(
+      "1 of 2 targets, 2 strays, 1 of 1 measure met",
+    );
   });
 
-  it("names the items of a game that the page does not know", () => {
-    const items = { ...SPACE_INVADERS.items, singular: "brick", plural: "bricks" };
-    const game = { ...PONG, items: items as NonNullable<typeof SPACE_INVADERS.items> };
-    const broken = recording({ targets: null, strays: null });
-    expect(describeScore(broken, null, game)).toBe("1 brick");
+  it("says nothing of items without a target, and the score where there are none", () => {
+    const game = recording({ targets: null, strays: null, score: 12 });
+    const free = behaviour({ target: null });
+    expect(describeResult(game, free, SPACE_INVADERS)).toBe("");
+    expect(describeResult(game, free, PONG)).toBe("Score 12");
+    expect(describeResult({ ...game, score: -2 }, free, PONG)).toBe("Score −2");
+    expect(
+      describeResult({ ...game, measured: [met] }, { ...free, measures: [score] }, SPACE_INVADERS),
+    ).toBe("1 of 1 measure met");
   });
 });

@@ -1,10 +1,8 @@
 import { plural, t } from "@lingui/core/macro";
 import { memo } from "react";
 
-import type { TaughtGame } from "@/api/types";
 import { viewOf } from "@/games/views";
 import { useGame } from "@/games/game";
-import { wordsOf } from "@/games/words";
 import {
   type Cell,
   CELL_SIZE,
@@ -25,7 +23,7 @@ import styles from "./ItemGrid.module.css";
 interface ItemGridProps {
   /** Items taken, in order of time. */
   hits?: readonly Cell[];
-  target?: readonly Cell[] | null;
+  target: readonly Cell[] | null;
   /** CSS pixels per pixel of the drawing. */
   scale?: 1 | 2 | 3 | 4;
   /** Accessible name instead of the generated one; "" makes the grid decorative. */
@@ -34,7 +32,8 @@ interface ItemGridProps {
 
 /**
  * The grid of a game's items: the remaining ones, those of the target in the accent colour; targets
- * taken as dots, strays as crosses. Nothing for a game without items.
+ * taken as dots, strays as crosses. Nothing for a game without items or without a target, where they
+ * say nothing of the behaviour.
  */
 export const ItemGrid = memo(function ItemGrid({
   hits = [],
@@ -44,11 +43,11 @@ export const ItemGrid = memo(function ItemGrid({
 }: ItemGridProps) {
   const game = useGame();
   const { items } = game;
-  if (!items) return null;
+  if (!items || !target) return null;
   const path = viewOf(game.name)?.itemPath ?? plainItem;
   const state = gridState(items, hits, target);
   const [width, height] = [gridLength(items.columns), gridLength(items.rows)];
-  const name = label ?? describeGrid(game, items, hits, target);
+  const name = label ?? describeGrid(items, hits, target);
   return (
     <svg
       className={styles.grid}
@@ -57,7 +56,7 @@ export const ItemGrid = memo(function ItemGrid({
       height={height * scale}
       {...(name === "" ? { "aria-hidden": true } : { role: "img", "aria-label": name })}
     >
-      {target?.map((cell) => (
+      {target.map((cell) => (
         <rect
           key={cellKey(cell)}
           className={styles.target}
@@ -75,25 +74,13 @@ export const ItemGrid = memo(function ItemGrid({
         d={crosses(state.stray, items)}
         shapeRendering="geometricPrecision"
       />
-      <path
-        className={styles.gone}
-        d={crosses(state.gone, items)}
-        shapeRendering="geometricPrecision"
-      />
     </svg>
   );
 });
 
 /** Describes the state of the grid in a sentence. */
-export function describeGrid(
-  game: TaughtGame,
-  size: ItemGridSize,
-  hits: readonly Cell[],
-  target: readonly Cell[] | null | undefined,
-): string {
-  const { hit, stray, gone } = gridState(size, hits, target);
-  const words = wordsOf(game);
-  if (!target) return gone.length === 0 ? words.noneTaken() : words.taken(gone.length);
+function describeGrid(size: ItemGridSize, hits: readonly Cell[], target: readonly Cell[]): string {
+  const { hit, stray } = gridState(size, hits, target);
   const targets = plural(target.length, { one: "# target", other: "# targets" });
   return t`${hit.length} of ${targets} hit, ${strayWords(stray.length)}`;
 }

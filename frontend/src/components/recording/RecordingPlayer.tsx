@@ -35,7 +35,8 @@ import { SpeedChoice } from "./SpeedChoice";
 
 interface RecordingPlayerProps {
   frames: RecordedFrames;
-  hits: Recording["hits"];
+  /** Marked over time; omitted where they say nothing of the behaviour. */
+  hits?: Recording["hits"] | undefined;
   /** The learned reward to plot over time. */
   reward?: ShownReward | undefined;
   /** The frame to begin at, paused; without it the recording plays at once. */

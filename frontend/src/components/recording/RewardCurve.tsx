@@ -29,11 +29,11 @@ interface RewardCurveProps {
   reward: ShownReward;
   playback: Playback;
   last: number;
-  hits: Recording["hits"];
+  hits?: Recording["hits"] | undefined;
 }
 
 /** The level of the learned reward along a recording, in step with the picture. */
-export function RewardCurve({ reward, playback, last, hits }: RewardCurveProps) {
+export function RewardCurve({ reward, playback, last, hits = [] }: RewardCurveProps) {
   const { data, error } = useQuery(rewardTraceQuery(reward.runId, reward.recordingId));
   return (
     <section className={styles.reward} aria-label={t`Learned reward`}>

@@ -20,7 +20,7 @@ interface ScrubberProps {
   playback: Playback;
   last: number;
   /** Omitted where the slider is of several recordings. */
-  hits?: readonly Hit[];
+  hits?: readonly Hit[] | undefined;
 }
 
 /** A slider over the frames, with marks at the hits. */

@@ -5,11 +5,11 @@ import type { ReactNode } from "react";
 import { Link } from "react-router";
 
 import { framesQuery } from "@/api/recordings";
-import type { Recording } from "@/api/types";
+import type { Behaviour, Recording } from "@/api/types";
 import { Dialog } from "@/components/controls/Dialog";
 import { Failed, Loading } from "@/components/feedback/States";
 import { useGame } from "@/games/game";
-import { describeCourse, describeScore } from "@/games/outcomes";
+import { describeCourse, describeResult } from "@/games/outcomes";
 import { recordingName } from "@/lib/recordings";
 
 import { RecordingPlayer } from "./RecordingPlayer";
@@ -17,8 +17,7 @@ import styles from "./WatchDialog.module.css";
 
 interface WatchDialogProps {
   recording: Recording;
-  /** Number of targets; null without a target. */
-  nTargets: number | null;
+  behaviour: Behaviour;
   title?: ReactNode;
   /** The run whose R is plotted over time. */
   runId?: string | undefined;
@@ -32,7 +31,7 @@ interface WatchDialogProps {
 /** Plays a recording back in a dialog. */
 export function WatchDialog(props: WatchDialogProps) {
   const game = useGame();
-  const { recording, nTargets, title, runId, startFrame, actions, onClose } = props;
+  const { recording, behaviour, title, runId, startFrame, actions, onClose } = props;
   const frames = useQuery(framesQuery(recording));
   return (
     <Dialog title={title ?? recordingName(recording)} onClose={onClose} width="56rem">
@@ -40,7 +39,7 @@ export function WatchDialog(props: WatchDialogProps) {
         {frames.data ? (
           <RecordingPlayer
             frames={frames.data}
-            hits={recording.hits}
+            hits={behaviour.target ? recording.hits : undefined}
             reward={runId === undefined ? undefined : { runId, recordingId: recording.id }}
             startFrame={startFrame}
             screenHeight={screenHeight}
@@ -55,7 +54,7 @@ export function WatchDialog(props: WatchDialogProps) {
           <Loading what={t`the recording`} rows={1} height="20rem" />
         )}
         <p className={styles.facts}>
-          <span>{describeScore(recording, nTargets, game)}</span>
+          <span>{describeResult(recording, behaviour, game)}</span>
           <span>{describeCourse(recording, game)}</span>
           <Link to={`/recordings/${recording.id}`}>
             <Trans>Details: actions, memory, downloads</Trans>

@@ -20,13 +20,13 @@ interface PerfectMark {
 }
 
 /** Asks before games are marked as perfect that missed targets, hit strays or ended by death. */
-export function usePerfectMark({ target }: Behaviour): PerfectMark {
+export function usePerfectMark(behaviour: Behaviour): PerfectMark {
   const game = useGame();
   const [asked, setAsked] = useState<{ sentence: string; confirmed: () => void } | null>(null);
 
   function mark(games: readonly Played[], confirmed: () => void) {
     const found = games
-      .map((one) => imperfections(one, target?.length ?? null, game))
+      .map((one) => imperfections(one, behaviour, game))
       .filter((one) => one.length > 0);
     if (found.length === 0) confirmed();
     else setAsked({ sentence: sentenceOf(found, games.length), confirmed });

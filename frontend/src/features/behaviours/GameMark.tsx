@@ -10,10 +10,10 @@ import styles from "./GameMark.module.css";
 /** Width of a picture that stands for a game, in CSS pixels. */
 const PICTURE_PX = 58;
 
-/** What stands for a behaviour: its targets, or a picture of a game without items. Decorative. */
+/** What stands for a behaviour: its targets, or else a picture of its game. Decorative. */
 export function GameMark({ target }: Pick<Behaviour, "target">) {
   const game = useGame();
-  if (game.items) return <ItemGrid target={target} label="" />;
+  if (game.items && target) return <ItemGrid target={target} label="" />;
   return (
     <img
       className={styles.picture}

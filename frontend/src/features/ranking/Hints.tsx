@@ -56,12 +56,16 @@ function hintsFor(
           id: "perfect",
           done: false,
           optional: true,
-          text: plural(nPerfect, {
-            0: "None is marked as perfect: the best ranked ones stand in. Mark at least three of your best games with their star: training learns most from what they hit.",
-            one: "# is marked as perfect. Mark at least three of your best games with their star: training learns most from what they hit.",
-            other:
-              "# are marked as perfect. Mark at least three of your best games with their star: training learns most from what they hit.",
-          }),
+          text: [
+            plural(nPerfect, {
+              0: "None is marked as perfect: the best ranked ones stand in.",
+              one: "# is marked as perfect.",
+              other: "# are marked as perfect.",
+            }),
+            isReadByStatements(behaviour)
+              ? t`Mark at least three of your best games with their star: the agent begins by copying them.`
+              : t`Mark at least three of your best games with their star: training learns most from what they hit.`,
+          ].join(" "),
         },
     nRanked >= GOOD_NUMBER
       ? {

@@ -5,7 +5,7 @@ import type { Behaviour } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import type { BranchPair, Verdict } from "@/features/ranking/order/branch-pairs";
 import { useGame } from "@/games/game";
-import { describeCourse, describeScore } from "@/games/outcomes";
+import { describeCourse, describeResult } from "@/games/outcomes";
 import { seconds } from "@/lib/format";
 import { recordingName } from "@/lib/recordings";
 
@@ -24,7 +24,6 @@ export function Pairs({ pairs, behaviour, onPreview, onJudge }: PairsProps) {
   const [pair] = pairs;
   if (!pair) return null;
   const { before, after, frame } = pair;
-  const nTargets = behaviour.target?.length ?? null;
   return (
     <section className={styles.pairs} aria-label={t`Pairs to compare`}>
       <h3>
@@ -43,7 +42,9 @@ export function Pairs({ pairs, behaviour, onPreview, onJudge }: PairsProps) {
               {recordingName(one)}
             </Button>
             <span>
-              {describeScore(one, nTargets, game)}; {describeCourse(one, game)}
+              {[describeResult(one, behaviour, game), describeCourse(one, game)]
+                .filter(Boolean)
+                .join("; ")}
             </span>
           </li>
         ))}

@@ -7,7 +7,7 @@ import type { Behaviour } from "@/api/types";
 import { RecordingScreen } from "@/components/recording/RecordingScreen";
 import { WatchDialog } from "@/components/recording/WatchDialog";
 import { useGame } from "@/games/game";
-import { describeScore } from "@/games/outcomes";
+import { describeCourse, describeResult } from "@/games/outcomes";
 import { recordingName } from "@/lib/recordings";
 
 import styles from "./Preview.module.css";
@@ -32,7 +32,6 @@ export function Preview({
     // The one before stays until the next is there, so that nothing jumps.
     placeholderData: keepPreviousData,
   });
-  const nTargets = behaviour.target?.length ?? null;
   if (!recording) return null;
   return (
     <section className={styles.preview} aria-label={t`Preview`}>
@@ -48,12 +47,16 @@ export function Preview({
         <strong>{recordingName(recording)}</strong>
         <span>
           {playing
-            ? describeScore(recording, nTargets, game)
+            ? describeResult(recording, behaviour, game) || describeCourse(recording, game)
             : t`Point at a recording to play it here.`}
         </span>
       </p>
       {watching && (
-        <WatchDialog recording={recording} nTargets={nTargets} onClose={() => setWatching(false)} />
+        <WatchDialog
+          recording={recording}
+          behaviour={behaviour}
+          onClose={() => setWatching(false)}
+        />
       )}
     </section>
   );

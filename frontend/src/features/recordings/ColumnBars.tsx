@@ -6,7 +6,7 @@ import { classes } from "@/lib/classes";
 
 import styles from "./ColumnBars.module.css";
 
-/** The number of items taken in each column of their grid; nothing for a game without items. */
+/** The number of items taken in each column of their grid, where a behaviour has targets among them. */
 export function ColumnBars({
   counts,
   target,
@@ -15,8 +15,8 @@ export function ColumnBars({
   target: Behaviour["target"];
 }) {
   const { items } = useGame();
-  if (!items) return null;
-  const targetColumns = new Set(target?.map(([, column]) => column));
+  if (!items || !target) return null;
+  const targetColumns = new Set(target.map(([, column]) => column));
   const columns = Array.from({ length: items.columns }, (_, column) => counts[column] ?? 0);
   return (
     <div

@@ -21,7 +21,7 @@ import { Downloads } from "@/features/recordings/detail/Downloads";
 import { MemoryView } from "@/features/recordings/detail/MemoryView";
 import { useRewardRun } from "@/features/recordings/detail/use-reward-run";
 import { useGame } from "@/games/game";
-import { describeCourse, describeScore } from "@/games/outcomes";
+import { describeCourse, describeResult } from "@/games/outcomes";
 import { wordsOf } from "@/games/words";
 import { inSentence, moment, seconds } from "@/lib/format";
 import { cellName } from "@/lib/game/items";
@@ -75,7 +75,7 @@ export function RecordingPage({
         {frames.data ? (
           <RecordingPlayer
             frames={frames.data}
-            hits={recording.hits}
+            hits={behaviour.target ? recording.hits : undefined}
             reward={
               runId === null ? undefined : { runId, recordingId: recording.id, menu: control }
             }
@@ -86,7 +86,7 @@ export function RecordingPage({
               <>
                 {runId === null && control}
                 {course.data && <ActionLanes playback={playback} actions={course.data.actions} />}
-                <Hits playback={playback} recording={recording} />
+                {behaviour.target && <Hits playback={playback} recording={recording} />}
                 {course.data && game.has_memory && (
                   <MemoryView playback={playback} course={course.data} />
                 )}
@@ -181,11 +181,14 @@ function Actions({ recording, behaviour }: { recording: Recording; behaviour: Be
 
 function Facts({ recording, behaviour }: { recording: Recording; behaviour: Behaviour }) {
   const game = useGame();
+  const result = describeResult(recording, behaviour, game);
   return (
     <section className={styles.facts}>
-      <p>
-        <strong>{describeScore(recording, behaviour.target?.length ?? null, game)}</strong>
-      </p>
+      {result && (
+        <p>
+          <strong>{result}</strong>
+        </p>
+      )}
       <p>{describeCourse(recording, game)}</p>
       <ColumnBars counts={recording.hits_per_column} target={behaviour.target} />
       <MeasureChecklist recording={recording} behaviour={behaviour} />

@@ -49,11 +49,7 @@ export function RecordingsPage({ behaviour }: { behaviour: Behaviour }) {
         />
       )}
       {watched && (
-        <WatchDialog
-          recording={watched}
-          nTargets={behaviour.target?.length ?? null}
-          onClose={() => setWatched(null)}
-        />
+        <WatchDialog recording={watched} behaviour={behaviour} onClose={() => setWatched(null)} />
       )}
       {importing && (
         <ImportDialog

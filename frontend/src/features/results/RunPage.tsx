@@ -61,7 +61,7 @@ export function RunPage({ run, behaviour }: { run: Run; behaviour: Behaviour }) 
         <WatchDialog
           recording={watched.recording}
           title={watched.title}
-          nTargets={behaviour.target?.length ?? null}
+          behaviour={behaviour}
           runId={results?.check ? run.id : undefined}
           startFrame={watched.frame}
           actions={

@@ -10,6 +10,7 @@ import { isAlive, systemQuery } from "@/api/system";
 import type { Behaviour, Recipe } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { useDraft, useHasDraft } from "@/components/controls/drafts";
+import { Badge } from "@/components/feedback/Badge";
 import { Notice } from "@/components/feedback/States";
 import { RunName } from "@/components/RunName";
 import { whole } from "@/lib/format";
@@ -85,7 +86,7 @@ export function TrainForm(props: TrainFormProps) {
           <Trans>Recipe</Trans>
         </legend>
         <div className={styles.recipes}>
-          {recipes.map(({ name, summary }) => (
+          {recipes.map(({ name, summary }, index) => (
             <label key={name} className={styles.recipe}>
               <input
                 type="radio"
@@ -95,12 +96,19 @@ export function TrainForm(props: TrainFormProps) {
                 onChange={() => draft.set({ chosen: name, edits })}
               />
               <strong>{name}</strong>
+              {index === 0 && (
+                <Badge tone="good">
+                  <Trans>Recommended</Trans>
+                </Badge>
+              )}
               <span>{summary}</span>
             </label>
           ))}
         </div>
       </fieldset>
-      {recipe.name === "fast" && behaviour.target === null && <ItemsAlone />}
+      {recipe.name === "fast" && recipe !== recipes[0] && (
+        <ItemsAlone proposed={recipes[0]?.name} />
+      )}
       <StepsField
         value={values.steps}
         error={errors.steps}
@@ -167,14 +175,14 @@ function showInvalid(form: Element): void {
 }
 
 /** What fast can't learn, for behaviours that may be about something else. */
-function ItemsAlone() {
+function ItemsAlone({ proposed }: { proposed: string | undefined }) {
   return (
     <Notice tone="calm">
       <p>
         <Trans>
           The recipe <strong>fast</strong> considers only what is hit. If you rank by something
-          else, such as where you stand or how often you shoot, try the recipe{" "}
-          <strong>paper</strong>, which takes hours.
+          else, such as where you stand or how often you shoot, take the recipe{" "}
+          <strong>{proposed}</strong>.
         </Trans>
       </p>
     </Notice>

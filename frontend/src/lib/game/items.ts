@@ -67,7 +67,7 @@ export function takenCells(recording: {
 }
 
 interface GridState {
-  /** Remaining items outside the target; all that remain if there is no target. */
+  /** Remaining items outside the target. */
   readonly standing: readonly Cell[];
   /** Remaining targets. */
   readonly missing: readonly Cell[];
@@ -75,25 +75,22 @@ interface GridState {
   readonly hit: readonly Cell[];
   /** Strays, in order of time. */
   readonly stray: readonly Cell[];
-  /** Items taken where there is no target, in order of time. */
-  readonly gone: readonly Cell[];
 }
 
 /** Sorts the cells of a grid by their state. */
 export function gridState(
   size: ItemGridSize,
   taken: readonly Cell[],
-  target: readonly Cell[] | null | undefined,
+  target: readonly Cell[],
 ): GridState {
-  const targets = new Set((target ?? []).map(cellKey));
+  const targets = new Set(target.map(cellKey));
   const gone = new Set(taken.map(cellKey));
   const left = allCells(size).filter((cell) => !gone.has(cellKey(cell)));
   return {
     standing: left.filter((cell) => !targets.has(cellKey(cell))),
     missing: left.filter((cell) => targets.has(cellKey(cell))),
-    hit: target ? taken.filter((cell) => targets.has(cellKey(cell))) : [],
-    stray: target ? taken.filter((cell) => !targets.has(cellKey(cell))) : [],
-    gone: target ? [] : taken,
+    hit: taken.filter((cell) => targets.has(cellKey(cell))),
+    stray: taken.filter((cell) => !targets.has(cellKey(cell))),
   };
 }
 

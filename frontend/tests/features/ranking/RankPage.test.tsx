@@ -636,6 +636,17 @@ describe("what training needs", () => {
     expect(hints.getByRole("link", { name: "Continue to Train" })).toBeVisible();
   });
 
+  it("says nothing of hits where the behaviour has no target", async () => {
+    rankingServer({ tiers: [[1], [2]] });
+    show(<RankPage behaviour={behaviour({ n_recordings: 4, target: null })} />);
+    const hints = within(await screen.findByRole("region", { name: "What training needs" }));
+    expect(hints.getByText(/the agent begins by copying them\.$/)).toBeVisible();
+    expect(hints.queryByText(/\bhit\b/)).toBeNull();
+    const card = within(await screen.findByRole("article", { name: "Recording 2" }));
+    expect(card.getByText(/survived all 300 steps/)).toBeVisible();
+    expect(card.queryByText(/alien|target/)).toBeNull();
+  });
+
   it("begins with a game", async () => {
     serve({
       "GET /api/behaviours/1/ranking": () => ranking(),

@@ -55,6 +55,7 @@ function page(
   path = "/",
   runs: readonly Run[] = [],
   exactMap: Promise<unknown> = Promise.resolve(),
+  one = behaviour(),
 ) {
   const shown = recording({
     n_frames: N_FRAMES,
@@ -85,7 +86,7 @@ function page(
     "PATCH /api/recordings/1": () => shown,
     "DELETE /api/recordings/1": () => undefined,
   });
-  show(<RecordingPage recording={shown} behaviour={behaviour()} />, path);
+  show(<RecordingPage recording={shown} behaviour={one} />, path);
   return asked;
 }
 
@@ -127,6 +128,14 @@ describe("the page of a recording", () => {
     expect(screen.getByText("right")).toBeVisible();
     await userEvent.keyboard("{End}");
     expect(screen.getByText("fire")).toBeVisible();
+  });
+
+  it("says nothing of hits without a target", async () => {
+    page({}, {}, "/", [], undefined, behaviour({ target: null }));
+    await position();
+    expect(screen.queryByRole("list", { name: "Hits" })).toBeNull();
+    expect(screen.queryByRole("img", { name: /hits/i })).toBeNull();
+    expect(screen.queryByText(/alien/i)).toBeNull();
   });
 
   it("tells strays from hits in words, and goes to a hit when it is pressed", async () => {

@@ -121,7 +121,13 @@ describe("the library", () => {
   it("works without a target", async () => {
     serve(libraryRoutes(() => [recording({ targets: null, strays: null })]));
     show(<RecordingsPage behaviour={behaviour({ target: null })} />);
-    expect(await screen.findByText("1 alien hit")).toBeVisible();
+    const card = within(await screen.findByRole("article", { name: "Recording 1" }));
+    expect(card.getByText(/^survived all 300 steps/)).toBeVisible();
+    expect(card.queryByText(/alien/i)).toBeNull();
+    expect(card.queryByRole("img", { name: /Hits per column/ })).toBeNull();
+    expect(screen.queryByRole("combobox", { name: "Aliens" })).toBeNull();
+    const orders = within(screen.getByRole("combobox", { name: "Order" }));
+    expect(orders.queryByRole("option", { name: "Most hits first" })).toBeNull();
   });
 
   it("marks as perfect at once, and takes it back if that is refused", async () => {

@@ -35,10 +35,25 @@ describe("training", () => {
   });
 
   it("says that fast knows aliens alone where a behaviour may be about something else", async () => {
-    open({ ...RANKED, target: null });
-    expect(await screen.findByText(/considers only what is hit/)).toBeVisible();
-    await userEvent.click(screen.getByRole("radio", { name: /paper/ }));
+    open(
+      { ...RANKED, target: null },
+      { "GET /api/recipes": () => [recipe({ name: "any" }), recipe()] },
+    );
+    await userEvent.click(await screen.findByRole("radio", { name: /fast/ }));
+    expect(screen.getByText(/considers only what is hit/)).toHaveTextContent(
+      "take the recipe any.",
+    );
+    await userEvent.click(screen.getByRole("radio", { name: /any/ }));
     expect(screen.queryByText(/considers only what is hit/)).toBeNull();
+  });
+
+  it("recommends the proposed recipe alone", async () => {
+    open(
+      { ...RANKED, target: null },
+      { "GET /api/recipes": () => [recipe({ name: "any" }), recipe()] },
+    );
+    expect(await screen.findByRole("radio", { name: /any\s*Recommended/ })).toBeChecked();
+    expect(screen.getByRole("radio", { name: /fast/ })).not.toHaveAccessibleName(/Recommended/);
   });
 
   it("keeps what was entered when the page is left, and warns of an order that is not saved", async () => {

@@ -1,10 +1,9 @@
 import { plural, t } from "@lingui/core/macro";
 import type { RefObject } from "react";
 
-import type { Behaviour, TaughtGame } from "@/api/types";
+import type { Behaviour } from "@/api/types";
 import type { HitAt } from "@/features/play/stream/text-messages";
 import { useGame } from "@/games/game";
-import { wordsOf } from "@/games/words";
 import { fixed } from "@/lib/format";
 import { gridState, type ItemGridSize, takenCells } from "@/lib/game/items";
 
@@ -29,18 +28,16 @@ export function StageHud({ time, hits, behaviour: { target } }: StageHudProps) {
         </span>{" "}
         s
       </span>
-      {game.items && <span>{takenWords(game, game.items, hits, target)}</span>}
+      {game.items && target && <span>{takenWords(game.items, hits, target)}</span>}
     </div>
   );
 }
 
 function takenWords(
-  game: TaughtGame,
   size: ItemGridSize,
   hits: readonly HitAt[],
-  target: Behaviour["target"],
+  target: NonNullable<Behaviour["target"]>,
 ): string {
-  if (!target) return wordsOf(game).taken(hits.length);
   const { hit, stray } = gridState(size, takenCells({ hits }), target);
   const targets = plural(target.length, { one: "# target", other: "# targets" });
   return t`${hit.length} of ${targets}, ${plural(stray.length, { one: "# stray", other: "# strays" })}`;

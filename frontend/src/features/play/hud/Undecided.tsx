@@ -7,7 +7,7 @@ import type { Behaviour } from "@/api/types";
 import { Notice } from "@/components/feedback/States";
 import { KeepOrDiscard } from "@/components/recording/KeepOrDiscard";
 import { useGame } from "@/games/game";
-import { describeScore } from "@/games/outcomes";
+import { describeCourse, describeResult } from "@/games/outcomes";
 import { isUndecided, recordingName } from "@/lib/recordings";
 
 import styles from "./Undecided.module.css";
@@ -43,7 +43,7 @@ export function Undecided({
           <div key={recording.id} className={styles.game}>
             <p>
               <Link to={`/recordings/${recording.id}`}>{recordingName(recording)}</Link>:{" "}
-              {describeScore(recording, behaviour.target?.length ?? null, game)}
+              {describeResult(recording, behaviour, game) || describeCourse(recording, game)}
             </p>
             <KeepOrDiscard recording={recording} />
           </div>

@@ -10,7 +10,7 @@ import { ControlKey } from "@/features/play/input/ControlKey";
 import { keyName } from "@/features/play/input/keys";
 import type { Ended } from "@/features/play/stream/text-messages";
 import { useGame } from "@/games/game";
-import { describeScore, endSentence } from "@/games/outcomes";
+import { describeResult, endSentence } from "@/games/outcomes";
 import { stepOf } from "@/lib/recordings";
 
 import { Overlay } from "./Overlay";
@@ -67,17 +67,16 @@ export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind 
     },
   }));
 
+  const words = empty
+    ? t`The game ended before its first step, so there is nothing to keep.`
+    : describeResult(ended, behaviour, game);
   return (
     <Overlay>
       <div role="status" aria-live="polite">
         <p className={styles.big} style={{ color: "inherit" }}>
           {empty ? t`Nothing was played` : endSentence(ended, game)}
         </p>
-        <p>
-          {empty
-            ? t`The game ended before its first step, so there is nothing to keep.`
-            : describeScore(ended, behaviour.target?.length ?? null, game)}
-        </p>
+        {words && <p>{words}</p>}
         {failed && (
           <p>
             <Trans>

@@ -10,7 +10,7 @@ import { GameCanvas } from "@/components/game/GameCanvas";
 import { ActorMark } from "@/components/game/ActorMark";
 import { Score } from "@/features/play/hud/Score";
 import { useGame } from "@/games/game";
-import { describeScore, endSentence } from "@/games/outcomes";
+import { describeResult, endSentence } from "@/games/outcomes";
 import { classes } from "@/lib/classes";
 import type { ScreenFormat, ScreenPainter } from "@/lib/game/screen";
 import { type ScreenSize, useFittingScreenSize } from "@/lib/game/use-screen-size";
@@ -125,7 +125,7 @@ export function LaneView(props: LaneViewProps) {
           {ended && (
             <div className={styles.ended} role="status">
               <b>{endSentence(ended, game)}</b>
-              <span>{describeScore(ended, behaviour.target?.length ?? null, game)}</span>
+              <span>{describeResult(ended, behaviour, game)}</span>
             </div>
           )}
         </div>

@@ -11,7 +11,7 @@ import { RecordingScreen, useHover } from "@/components/recording/RecordingScree
 import { SourceBadge } from "@/components/recording/SourceBadge";
 import { RunName } from "@/components/RunName";
 import { useGame } from "@/games/game";
-import { describeCourse, describeScore } from "@/games/outcomes";
+import { describeCourse, describeResult } from "@/games/outcomes";
 import { classes } from "@/lib/classes";
 import { takenCells } from "@/lib/game/items";
 import { recordingName } from "@/lib/recordings";
@@ -124,6 +124,7 @@ function Facts({
   children?: ReactNode;
 }): ReactNode {
   const game = useGame();
+  const result = describeResult(recording, behaviour, game);
   return (
     <>
       <ItemGrid hits={takenCells(recording)} target={behaviour.target} label="" />
@@ -134,7 +135,7 @@ function Facts({
           <SourceBadge recording={recording} />
           {recording.borrowed && <Origin recording={recording} />}
         </div>
-        <span>{describeScore(recording, behaviour.target?.length ?? null, game)}</span>
+        {result && <span>{result}</span>}
         <span className={styles.quiet}>{describeCourse(recording, game)}</span>
       </div>
     </>

@@ -8,7 +8,7 @@ import { ItemGrid } from "@/components/game/ItemGrid";
 import { GameCanvas } from "@/components/game/GameCanvas";
 import { SourceBadge } from "@/components/recording/SourceBadge";
 import { useGame } from "@/games/game";
-import { describeCourse, describeScore } from "@/games/outcomes";
+import { describeCourse, describeResult } from "@/games/outcomes";
 import type { RecordedFrames } from "@/lib/game/codec";
 import { takenCells } from "@/lib/game/items";
 import type { Playback } from "@/lib/game/playback";
@@ -36,6 +36,7 @@ export function Side({ recording, behaviour, part, screens, playback, screenHeig
   const stage = useRef<HTMLDivElement>(null);
   const size = useFittingScreenSize(stage, screenHeight, game);
   const name = recordingName(recording);
+  const result = describeResult(recording, behaviour, game);
   const { frames, error, retry } = screens;
   return (
     <section className={styles.side} aria-label={name}>
@@ -49,7 +50,7 @@ export function Side({ recording, behaviour, part, screens, playback, screenHeig
             </span>
             <span className={styles.part}>{part}</span>
           </div>
-          <p>{describeScore(recording, behaviour.target?.length ?? null, game)}</p>
+          {result && <p>{result}</p>}
           <p>{describeCourse(recording, game)}</p>
         </div>
       </div>

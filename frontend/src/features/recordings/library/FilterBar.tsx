@@ -4,7 +4,6 @@ import { useMemo } from "react";
 import type { Behaviour, LibraryEntry, TaughtGame } from "@/api/types";
 import { Filters, Search, Select } from "@/components/controls/Filters";
 import { useGame } from "@/games/game";
-import { wordsOf } from "@/games/words";
 
 import { EVERYTHING, type Filter, isNarrow, ORDERS, SHOWN, SOURCES, VERIFIED } from "./filter";
 
@@ -33,8 +32,6 @@ const orderNames = (): Readonly<Record<Filter["order"], string>> => ({
   score: t`Highest score first`,
 });
 const MOST_STRAYS = 5;
-/** Choices for the number of hits without a target. */
-const MOST_HITS = 12;
 
 /** Filters and sorts the recordings. */
 export function FilterBar({
@@ -53,9 +50,7 @@ export function FilterBar({
     [recordings],
   );
   const game = useGame();
-  const { items } = game;
-  const orders = ORDERS.filter((one) => one === filter.order || isFor(one, game));
-  const nHits = behaviour.target?.length ?? MOST_HITS;
+  const orders = ORDERS.filter((one) => one === filter.order || isFor(one, game, behaviour));
   const set = (change: Partial<Filter>) => onChange({ ...filter, ...change });
   return (
     <Filters
@@ -90,13 +85,15 @@ export function FilterBar({
           onChange={(player) => set({ player: player === ANY ? null : player })}
         />
       )}
-      {items && (
+      {behaviour.target && (
         <Select
-          label={behaviour.target ? t`Targets` : wordsOf(game).several()}
+          label={t`Targets`}
           value={numbered(filter.hits)}
           options={[
             [ANY, t`Any number`],
-            ...upTo(nHits, filter.hits).map((n) => [String(n), t`${n} or more`] as const),
+            ...upTo(behaviour.target.length, filter.hits).map(
+              (n) => [String(n), t`${n} or more`] as const,
+            ),
           ]}
           onChange={(hits) => set({ hits: numberOf(hits) })}
         />
@@ -137,11 +134,15 @@ export function FilterBar({
   );
 }
 
-/** Whether games of a game differ in what an order goes by. */
-function isFor(order: Filter["order"], { items, counters }: TaughtGame): boolean {
+/** Whether games of a behaviour differ in what an order goes by. */
+function isFor(
+  order: Filter["order"],
+  { items, counters }: TaughtGame,
+  { target }: Behaviour,
+): boolean {
   if (order === "shots") return "shots" in counters;
   if (order === "score") return items === null;
-  return items !== null || (order !== "targets" && order !== "strays");
+  return target !== null || (order !== "targets" && order !== "strays");
 }
 
 /** No restriction; not a player's name, since names are not empty. */

@@ -16,8 +16,7 @@ import { LatencyBadge, PaceBadge, VerifiedBadge } from "@/features/recordings/ba
 import { ColumnBars } from "@/features/recordings/ColumnBars";
 import { NotesDialog } from "@/features/recordings/NotesDialog";
 import { useGame } from "@/games/game";
-import { metText } from "@/games/measures";
-import { describeCourse, describeScore } from "@/games/outcomes";
+import { describeCourse, describeResult } from "@/games/outcomes";
 import { classes } from "@/lib/classes";
 import { recordingName } from "@/lib/recordings";
 
@@ -59,7 +58,7 @@ function RecordingCard(props: ShownRecordingProps & { recording: Recording }) {
   const { recording, behaviour, onWatch, selected, onSelect } = props;
   const [hovered, hover] = useHover();
   const name = recordingName(recording);
-  const met = metText(recording.measured, behaviour.measures);
+  const result = describeResult(recording, behaviour, game);
   return (
     <article className={classes(styles.card, selected && styles.selected)} aria-label={name}>
       <button
@@ -97,9 +96,8 @@ function RecordingCard(props: ShownRecordingProps & { recording: Recording }) {
         </div>
         <div className={styles.row}>
           <div className={styles.words}>
-            <strong>{describeScore(recording, behaviour.target?.length ?? null, game)}</strong>
+            {result && <strong>{result}</strong>}
             <span>{describeCourse(recording, game)}</span>
-            {met && <span>{met}</span>}
           </div>
           <ColumnBars counts={recording.hits_per_column} target={behaviour.target} />
         </div>

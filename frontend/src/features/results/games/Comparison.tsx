@@ -1,12 +1,12 @@
 import { plural, t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 
-import type { Behaviour, ComparisonRow, Recording, RunResults, TaughtGame } from "@/api/types";
+import type { Behaviour, ComparisonRow, Recording, RunResults } from "@/api/types";
 import { ItemGrid } from "@/components/game/ItemGrid";
 import { ActorMark } from "@/components/game/ActorMark";
 import type { Watched } from "@/features/results/watched";
 import { useGame } from "@/games/game";
-import { describeEnd, describeScore } from "@/games/outcomes";
+import { describeEnd, describeResult } from "@/games/outcomes";
 import { inSentence, NONE } from "@/lib/format";
 import { strayWords, takenCells } from "@/lib/game/items";
 import { playedBy, type Actor, actorNames } from "@/lib/actors";
@@ -184,7 +184,7 @@ function GameCell({
         </span>
         <ItemGrid hits={takenCells(recording)} target={behaviour.target} scale={2} />
         <span className={styles.words}>
-          <Outcome recording={recording} game={game} />
+          <Outcome recording={recording} behaviour={behaviour} />
           <span>{describeEnd(recording.end, game)}</span>
         </span>
       </button>
@@ -193,9 +193,13 @@ function GameCell({
   );
 }
 
-function Outcome({ recording, game }: { recording: Recording; game: TaughtGame }) {
+function Outcome({ recording, behaviour }: { recording: Recording; behaviour: Behaviour }) {
+  const game = useGame();
   const { targets, strays } = recording;
-  if (targets === null || strays === null) return <b>{describeScore(recording, null, game)}</b>;
+  if (targets === null || strays === null) {
+    const result = describeResult(recording, behaviour, game);
+    return result && <b>{result}</b>;
+  }
   return (
     <span>
       <b>{plural(targets, { one: "# target", other: "# targets" })}</b>, {strayWords(strays)}

@@ -11,7 +11,7 @@ import { RecordingScreen } from "@/components/recording/RecordingScreen";
 import { useBorrowing } from "@/components/recording/use-borrowing";
 import type { Watched } from "@/features/results/watched";
 import { useGame } from "@/games/game";
-import { describeEnd, describeScore, imperfections, isLost } from "@/games/outcomes";
+import { describeEnd, describeResult, imperfections, isLost } from "@/games/outcomes";
 import { whole } from "@/lib/format";
 import { takenCells } from "@/lib/game/items";
 import { isActive } from "@/lib/runs";
@@ -53,12 +53,12 @@ function proposalsIn({ proposed, games, training_games: training }: RunResults):
 }
 
 /** Whether a game hits all targets and nothing else, and survives; never without a target. */
-function isFlawless({ recording }: Proposal, { target }: Behaviour, game: TaughtGame): boolean {
+function isFlawless({ recording }: Proposal, behaviour: Behaviour, game: TaughtGame): boolean {
   return (
-    target !== null &&
+    behaviour.target !== null &&
     recording.targets !== null &&
     !isLost(recording.end, game) &&
-    imperfections(recording, target.length, game).length === 0
+    imperfections(recording, behaviour, game).length === 0
   );
 }
 
@@ -128,6 +128,7 @@ function ProposedGame({
   onWatch: (watched: Watched) => void;
 }) {
   const game = useGame();
+  const result = describeResult(recording, behaviour, game);
   return (
     <li className={styles.game}>
       <button
@@ -141,7 +142,7 @@ function ProposedGame({
       <div className={styles.outcome}>
         <ItemGrid hits={takenCells(recording)} target={behaviour.target} label="" />
         <p>
-          <b>{describeScore(recording, behaviour.target?.length ?? null, game)}</b>
+          {result && <b>{result}</b>}
           <span>{describeEnd(recording.end, game)}</span>
           <span>{how}</span>
         </p>

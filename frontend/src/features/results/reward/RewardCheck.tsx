@@ -7,7 +7,7 @@ import tables from "@/features/results/tables.module.css";
 import type { Watched } from "@/features/results/watched";
 import { viewOf } from "@/games/views";
 import { useGame } from "@/games/game";
-import { describeScore } from "@/games/outcomes";
+import { describeResult } from "@/games/outcomes";
 import { fixed, measured, percent } from "@/lib/format";
 import { recordingName } from "@/lib/recordings";
 
@@ -211,7 +211,7 @@ function Returns({ check, behaviour, measure, onWatch }: RewardCheckProps & { me
             <td>
               <button
                 type="button"
-                title={describeScore(recording, behaviour.target?.length ?? null, game)}
+                title={describeResult(recording, behaviour, game)}
                 onClick={() => onWatch({ recording, title: recordingName(recording) })}
               >
                 {recordingName(recording)}
