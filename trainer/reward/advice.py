@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from trainer.reward.check import PASSING_ACCURACY, PASSING_TAU, RankingCheck
+from tril.vocabulary.understanding import N_SHUFFLES
 
 MAX_NAMED = 6
 """Pairs of tiers that are named; the page lists all."""
@@ -25,7 +26,7 @@ def advice(check: RankingCheck, *, aliens_alone: bool = False) -> str:
     if check.passed:
         return ""
     pairs = list(dict.fromkeys((pair.better, pair.worse) for pair in check.confused))
-    if check.by_shuffles:
+    if check.n_as_good is not None:
         contradicting = (
             f" Look first at tiers {_named(pairs[:1])}, which contradict the rest most."
             if pairs
@@ -62,6 +63,12 @@ def warning(check: RankingCheck) -> str:
 
     Single tiers that are not told apart say nothing of the imitator: the page lists them.
     """
+    if check.passed and check.n_as_good:
+        return (
+            f"{check.n_as_good} of {N_SHUFFLES} shuffled orders of these games are explained as"
+            " well as yours, so that the statements may be chance. A few more games that differ in"
+            " what you mean make them surer."
+        )
     if not check.passed or check.is_confident:
         return ""
     accuracy = check.held_out_accuracy

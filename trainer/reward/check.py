@@ -19,10 +19,11 @@ from trainer.reward.fragments import Fragmenter, fragment_returns
 from trainer.reward.model import RewardModel, RewardNetwork, Spread
 from trainer.reward.preference_dataset import PreferenceDataset
 from trainer.reward.reward_trainer import network_trainer, standardisation
-from trainer.reward.statements import order_surpasses_chance, understanding_of
+from trainer.reward.statements import shuffled_orders_as_good, understanding_of
 from tril.ranking import Pair, kendall_tau
 from tril.recipes import RewardRecipe
 from tril.recording import LEVEL_STEPS
+from tril.vocabulary.understanding import MOST_AS_GOOD
 
 CONFIDENT_TAU = 0.75
 """Rankings of columns with three swapped neighbours reach 0.81 to 0.91.
@@ -98,8 +99,9 @@ class RankingCheck:
             were trained without at least one of the two; None where it was not measured.
         confused: The tiers with confused demonstrations, worst first.
         passed: Whether there is something to learn: tau is at least 0.5 and the held-out accuracy
-            at least 0.6; of a statement, whether it explains the order better than shuffled ones.
-        by_shuffles: Whether it was compared with shuffled orders, as statements are.
+            at least 0.6; of a statement, whether few shuffled orders are explained as well.
+        n_as_good: Shuffled orders that statements explain as well; None of rewards that are
+            learned otherwise.
     """
 
     predicted_returns: dict[int, float]
@@ -109,7 +111,7 @@ class RankingCheck:
     held_out_accuracy: float | None
     confused: tuple[ConfusedTiers, ...]
     passed: bool
-    by_shuffles: bool = False
+    n_as_good: int | None = None
 
     @property
     def is_confident(self) -> bool:
@@ -155,7 +157,7 @@ def check_ranking(
     rewards = {i: dataset.score(model, i) for i in dataset.ranked}
     returns = {i: float(values[1:].sum(dtype=np.float64)) for i, values in rewards.items()}
     folds: list[RewardNetwork] = []
-    is_sense: bool | None = None
+    n_as_good = None
     if dataset.recipe.method == "statement":
         # A statement is about all of a game; what it lacks to a whole one is forfeited.
         horizon = dataset.words.horizon
@@ -163,7 +165,7 @@ def check_ranking(
             i: float(model.level(values[1:]).sum(dtype=np.float64)) / horizon
             for i, values in rewards.items()
         }
-        is_sense = order_surpasses_chance(dataset)
+        n_as_good = shuffled_orders_as_good(dataset)
         held_out = _cross_validate_statement(dataset, progress)
     else:
         levels = {i: final_level(model.level(values)) for i, values in rewards.items()}
@@ -183,10 +185,10 @@ def check_ranking(
         confused=_confused(tier_of, by_level, held_out),
         passed=(
             tau >= PASSING_TAU and (accuracy is None or accuracy >= PASSING_ACCURACY)
-            if is_sense is None
-            else is_sense
+            if n_as_good is None
+            else n_as_good <= MOST_AS_GOOD
         ),
-        by_shuffles=is_sense is not None,
+        n_as_good=n_as_good,
     )
     if dataset.recipe.pretrained:
         model = replace(model, spread=jackknife(folds, dataset))

@@ -30,7 +30,7 @@ from tril.vocabulary.posterior import Tiers
 from tril.vocabulary.understanding import (
     Summaries,
     Understanding,
-    surpasses_chance,
+    shuffles_as_good,
     understand,
 )
 
@@ -59,13 +59,13 @@ def understanding_of(dataset: PreferenceDataset, held_out: Collection[int] = ())
     return understand(*_ordered_games(dataset, held_out))
 
 
-def order_surpasses_chance(dataset: PreferenceDataset) -> bool:
-    """Return whether statements explain the order of a dataset's games better than shuffled ones.
+def shuffled_orders_as_good(dataset: PreferenceDataset) -> int:
+    """Return how many shuffled orders are explained as well as that of a dataset's games.
 
     Raises:
         Invalid: There are fewer than two tiers.
     """
-    return surpasses_chance(*_ordered_games(dataset))
+    return shuffles_as_good(*_ordered_games(dataset))
 
 
 def _ordered_games(

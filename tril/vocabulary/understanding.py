@@ -25,6 +25,8 @@ from tril.vocabulary.posterior import (
 Array = npt.NDArray[np.float64]
 N_SHUFFLES = 19
 """Shuffled orders that an order is compared with: one drawn blindly surpasses all of them in 5%."""
+MOST_AS_GOOD = 5
+"""Shuffled orders that may be explained as well; see docs/decisions/26-statements.md."""
 
 Summaries = npt.NDArray[np.float32]
 """Facts of games, float32 (n_games, n_facts), as `Vocabulary.summary` returns them."""
@@ -114,18 +116,18 @@ def understand(
     )
 
 
-def surpasses_chance(
+def shuffles_as_good(
     words: Vocabulary,
     summaries: Summaries,
     tiers: Tiers,
     best: Sequence[int] = (),
     answers: Sequence[Answer] = (),
-) -> bool:
-    """Return whether statements explain an order better than ``N_SHUFFLES`` shuffled ones.
+) -> int:
+    """Return how many of ``N_SHUFFLES`` shuffled orders are explained as well as an order.
 
-    A permutation test (Fisher 1935) of the evidence: of orders drawn blindly one in twenty passes,
-    whatever the games are like. The evidence alone does not tell, as games that are alike in many
-    ways, such as in how long they last, make many orders probable.
+    A permutation test (Fisher 1935) of the evidence: of orders drawn blindly one in twenty
+    surpasses all shuffled ones, whatever the games are like. The evidence alone does not tell, as
+    games that are alike in many ways, such as in how long they last, make many orders probable.
 
     Args:
         words: As in ``understand``.
@@ -148,15 +150,15 @@ def surpasses_chance(
 
     evidence = Evidence(games.values, words.columns, log_prior, games.best_choices(1.0))
     reached = evidence.log_evidence(games.choices(tiers))
-    # The same games in the same order always give the same answer.
+    # The same games in the same order always give the same number.
     rng = np.random.default_rng(len(tiers))
     ranked = [game for tier in tiers for game in tier]
     ends = np.cumsum([len(tier) for tier in tiers])
+    n_as_good = 0
     for _ in range(N_SHUFFLES):
         shuffled = [tier.tolist() for tier in np.split(rng.permutation(ranked), ends[:-1])]
-        if evidence.log_evidence(games.choices(shuffled)) >= reached:
-            return False
-    return True
+        n_as_good += evidence.log_evidence(games.choices(shuffled)) >= reached
+    return n_as_good
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@
 Of each behaviour some games are ranked with a quarter of the neighbours swapped, beside best
 efforts and varied games that are sorted. "own" are unseen games of the behaviour's own players,
 "varied" those of other behaviours' players. "one click" is the best of the five statements that
-Tril tells, as if the person had chosen it. "sense" is how often the order is taken for one, "noise"
-how often an order drawn by chance is.
+Tril tells, as if the person had chosen it. "sense" is how often the order surpasses all
+shuffled ones, and how often it is not refused; "noise" the same of an order drawn by chance.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ import numpy.typing as npt
 from benchmarks.learning.behaviours.games import Array, PlayedGames, load_games, tasks_of
 from tril.vocabulary.answers import Answer
 from tril.vocabulary.sentences import tell
-from tril.vocabulary.understanding import surpasses_chance, understand
+from tril.vocabulary.understanding import MOST_AS_GOOD, shuffles_as_good, understand
 
 CELLS = ((7, 3, 0), (12, 0, 0), (12, 12, 0), (24, 0, 0), (12, 12, 20))
 """Ranked games, best efforts, sorted varied games."""
@@ -44,8 +44,8 @@ class Outcome:
     own: float
     varied: float
     one_click: float
-    sense: bool
-    noise: bool
+    sense: int
+    noise: int
     seconds: float
     told: tuple[str, ...]
 
@@ -106,8 +106,8 @@ def examine(played: PlayedGames, task: int, cell: tuple[int, int, int], seed: in
         tau_b(values[unseen], worth[unseen]),
         tau_b(values[varied], worth[varied]),
         max(clicks),
-        surpasses_chance(played.words, played.summaries, tiers, best.tolist()),
-        surpasses_chance(played.words, played.summaries, random, best.tolist()),
+        shuffles_as_good(played.words, played.summaries, tiers, best.tolist()),
+        shuffles_as_good(played.words, played.summaries, random, best.tolist()),
         seconds,
         tuple(f"{one.probability:.2f} {one.sentence}" for one in told[:3]),
     )
@@ -134,26 +134,29 @@ def main() -> None:
                     if arguments.told and not seed:
                         counts = "+".join(map(str, cell))
                         print(f"{name:15} {outcome.task:22} {counts:8}", "; ".join(outcome.told))
-    print(f"{'games':9} own  varied  one click  sense  noise  seconds")
+    print(f"{'games':9} own  varied  one click  sense       noise       seconds")
     for cell in CELLS:
         rows = [one for one in outcomes if one.cell == cell]
-        own, varied, click, sense, noise, seconds = np.mean(
+        own, varied, click, seconds, *passing = np.mean(
             [
                 (
                     one.own,
                     one.varied,
                     one.one_click,
-                    one.sense,
-                    one.noise,
                     one.seconds,
+                    one.sense == 0,
+                    one.sense <= MOST_AS_GOOD,
+                    one.noise == 0,
+                    one.noise <= MOST_AS_GOOD,
                 )
                 for one in rows
             ],
             axis=0,
         )
         print(
-            f"{'+'.join(map(str, cell)):9} {own:.2f} {varied:.2f}    {click:.2f}       {sense:4.0%}"
-            f"   {noise:4.0%}   {seconds:.2f}"
+            f"{'+'.join(map(str, cell)):9} {own:.2f} {varied:.2f}    {click:.2f}       "
+            + " ".join(f"{share:5.0%}" for share in passing)
+            + f"   {seconds:.2f}"
         )
     for game, task in dict.fromkeys((one.game, one.task) for one in outcomes):
         means = [

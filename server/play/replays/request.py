@@ -29,7 +29,7 @@ from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.posterior import NothingPossible, Tiers
 from tril.vocabulary.sentences import tell
 from tril.vocabulary.trace import trace
-from tril.vocabulary.understanding import Summaries, surpasses_chance, understand
+from tril.vocabulary.understanding import Summaries, shuffles_as_good, understand
 
 
 class ReplayTask(StrEnum):
@@ -151,7 +151,7 @@ class Understood:
 
     Attributes:
         statements: The most probable first; none if the answers exclude all.
-        is_sense: Whether they explain the order better than shuffled ones.
+        is_sense: Whether they explain the order better than all shuffled ones.
         values: Value of each game, in log odds.
     """
 
@@ -246,6 +246,8 @@ def _understand(request: UnderstandRequest) -> Understood:
             )
             for statement in tell(words, understanding.posterior, request.game, understanding.meant)
         ),
-        surpasses_chance(words, request.summaries, request.tiers, request.best, request.answers),
+        not shuffles_as_good(
+            words, request.summaries, request.tiers, request.best, request.answers
+        ),
         tuple(understanding.value(request.summaries).tolist()),
     )

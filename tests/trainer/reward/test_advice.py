@@ -13,6 +13,15 @@ CONFUSED = (
 )
 
 
+def test_an_order_that_chance_may_explain_is_warned_of_and_another_is_refused() -> None:
+    doubtful = RankingCheck({}, {}, 0.9, 0.9, 0.9, (), passed=True, n_as_good=2)
+    assert advice(doubtful) == ""
+    assert warning(doubtful).startswith("2 of 19 shuffled orders")
+    nonsense = RankingCheck({}, {}, 0.9, 0.9, 0.9, (), passed=False, n_as_good=9)
+    assert "better than chance" in advice(nonsense)
+    assert warning(nonsense) == ""
+
+
 def test_advice_names_what_is_confused() -> None:
     confused = tuple(
         ConfusedTiers(1, worse, held_out=False, n_right=0, n_compared=1) for worse in range(2, 10)

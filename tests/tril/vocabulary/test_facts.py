@@ -13,7 +13,7 @@ from tril.vocabulary.blobs import BLOB_DTYPE, Background, find_blobs
 from tril.vocabulary.facts import Aspect, Group, Vocabulary
 from tril.vocabulary.sentences import colour_name, phrase, tell
 from tril.vocabulary.trace import Trace
-from tril.vocabulary.understanding import surpasses_chance, understand
+from tril.vocabulary.understanding import shuffles_as_good, understand
 
 HORIZON = 100
 LEFT, RIGHT = 1, 2
@@ -81,7 +81,7 @@ def test_an_order_by_place_is_understood_and_told(words: Vocabulary) -> None:
     games = [played(100 + place, centre=18.0 * place + 12) for place in range(8)]
     summaries = np.stack([words.summary(words.facts(one)) for one in games])
     understood = understand(words, summaries, [[place] for place in range(8)])
-    assert surpasses_chance(words, summaries, [[place] for place in range(8)])
+    assert shuffles_as_good(words, summaries, [[place] for place in range(8)]) == 0
     values = understood.value(summaries)
     assert np.corrcoef(values, -np.arange(8))[0, 1] > 0.8
     told = tell(words, understood.posterior, game_named("pong"))
@@ -96,13 +96,13 @@ def test_few_orders_that_are_drawn_blindly_surpass_chance(words: Vocabulary) -> 
     rng = np.random.default_rng(1)
     orders = [[[int(row)] for row in rng.permutation(6)] for _ in range(24)]
     # Best efforts that show something lend no sense to an order of other games.
-    assert sum(surpasses_chance(words, summaries, order, best=[6, 7]) for order in orders) <= 4
+    assert sum(not shuffles_as_good(words, summaries, one, best=[6, 7]) for one in orders) <= 4
 
 
 def test_an_order_of_three_games_is_never_sure(words: Vocabulary) -> None:
     games = [played(100 + place, centre=50.0 * place + 12) for place in range(3)]
     summaries = np.stack([words.summary(words.facts(one)) for one in games])
-    assert not surpasses_chance(words, summaries, [[0], [1], [2]])
+    assert shuffles_as_good(words, summaries, [[0], [1], [2]])
 
 
 def test_the_same_order_turned_round_is_told_the_other_way(words: Vocabulary) -> None:
