@@ -287,10 +287,10 @@ class _TrainingCallback(BaseCallback):
 
     def _on_rollout_start(self) -> None:
         if self._rollouts:
-            self._on_rollout_end()
+            self._finish_rollout()
         self._rollouts += 1
 
-    def _on_rollout_end(self) -> None:
+    def _finish_rollout(self) -> None:
         self._reporter.report_rollout(self._train_discriminator())
         steps = self._ppo.num_timesteps
         last = max((s.steps for s in self.snapshots), default=0)
@@ -310,7 +310,7 @@ class _TrainingCallback(BaseCallback):
     def finish(self) -> None:
         """Do what is due after the last rollout."""
         if self._rollouts:
-            self._on_rollout_end()
+            self._finish_rollout()
         if not self.snapshots:
             self._take_snapshot()
         self._save()
