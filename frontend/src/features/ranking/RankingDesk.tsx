@@ -51,10 +51,12 @@ interface RankingDeskProps {
   ranking: Ranking;
   /** The library and what is borrowed, in brief, newest first. */
   recordings: readonly LibraryEntry[];
+  /** Whether these are all; else they are the newest, and all that is borrowed. */
+  isWhole: boolean;
 }
 
 /** The board with the tray, the preview and the hints beside it. */
-export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps) {
+export function RankingDesk({ behaviour, ranking, recordings, isWhole }: RankingDeskProps) {
   const [state, saver] = useRankingSaver(ranking);
   const [previewed, setPreviewed] = useState<number | null>(null);
   const [spoken, setSpoken] = useState("");
@@ -64,8 +66,9 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
   const isRead = isReadByStatements(behaviour);
   const opinions = useOpinions(behaviour.id, state, advised && !isRead);
   const perfect = useMemo(
-    () => recordings.flatMap((one) => (one.perfect && !one.deleted ? [one.id] : [])),
-    [recordings],
+    () =>
+      isWhole ? recordings.flatMap((one) => (one.perfect && !one.deleted ? [one.id] : [])) : null,
+    [recordings, isWhole],
   );
   const actions = useRecordingActions(behaviour.id);
   const { mark, question } = usePerfectMark(behaviour);
@@ -74,6 +77,9 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
   const narrow = useMedia("(max-width: 66rem)");
   const { tiers } = state;
   const unranked = useMemo(() => unrankedOf(recordings, tiers), [recordings, tiers]);
+  const nRanked = useMemo(() => tiers.flat().length, [tiers]);
+  const borrowed = useMemo(() => recordings.filter((one) => one.borrowed), [recordings]);
+  const nUnranked = isWhole ? unranked.length : behaviour.n_recordings + borrowed.length - nRanked;
   const arrivedWith: unknown = useLocation().state;
   const [chosen, setChosen] = useState<ReadonlySet<number>>(
     () => new Set(selectedBy(arrivedWith).filter((id) => unranked.includes(id))),
@@ -82,6 +88,7 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
     () => [...tiers.flat(), ...unranked].filter((id) => chosen.has(id)),
     [tiers, unranked, chosen],
   );
+  const varied = useMemo(() => unranked.filter((id) => isVaried(byId.get(id))), [unranked, byId]);
   const [search, setSearch] = useSearchParams();
   const [compared, setCompared] = useState(
     search.has("compare") && canCompare(state, unranked) ? unranked : null,
@@ -123,7 +130,7 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
     setChosen(new Set());
   }
 
-  const isComparable = canCompare(state, unranked);
+  const isComparable = isWhole && canCompare(state, unranked);
   const selectedUnranked = useMemo(
     () => unranked.filter((id) => chosen.has(id)),
     [unranked, chosen],
@@ -143,6 +150,7 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
     tiers,
     moved,
     recordings: byId,
+    isWhole,
     behaviour,
     previewed,
     narrow,
@@ -224,10 +232,10 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
               );
             }}
           />
-          {narrow && tiers.length > 0 && unranked.length > 0 && (
+          {narrow && tiers.length > 0 && nUnranked > 0 && (
             <Button className={styles.toUnranked} icon="down" onClick={focusTray}>
               <Plural
-                value={unranked.length}
+                value={nUnranked}
                 one="# game not ranked yet"
                 other="# games not ranked yet"
               />
@@ -243,10 +251,16 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
               behaviour={behaviour}
             />
           )}
-          <Hints tiers={tiers} recordings={recordings} behaviour={behaviour} />
+          <Hints
+            tiers={tiers}
+            nPerfect={perfect?.length ?? behaviour.n_perfect}
+            borrowed={borrowed}
+            behaviour={behaviour}
+          />
           <Tray
             {...desk}
             unranked={unranked}
+            nUnranked={nUnranked}
             above={
               isComparable && (
                 <div>
@@ -259,7 +273,7 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
             below={
               <VariedGames
                 behaviour={behaviour}
-                unranked={unranked.flatMap((id) => byId.get(id) ?? [])}
+                varied={isWhole ? varied : []}
                 onAdded={(added) => {
                   // One that hits a target may be better than the worst.
                   const ids = added.filter(({ targets }) => !targets).map(({ id }) => id);
@@ -322,6 +336,11 @@ function useChangesElsewhere({ waiting, nReplaced }: SaverState): void {
   useEffect(() => {
     if (nReplaced > before) toast(t`Another tab or person changed the order. This is the new one.`);
   }, [nReplaced, before, toast]);
+}
+
+/** Whether a game was added to make a ranking more varied. */
+function isVaried(one: LibraryEntry | undefined): boolean {
+  return one !== undefined && ((one.borrowed && one.run_id === null) || one.source === "varied");
 }
 
 /** Returns the recordings that can be ranked and are in none of the tiers. */

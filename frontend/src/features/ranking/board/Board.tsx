@@ -25,6 +25,8 @@ import { ShownCard } from "./ShownCard";
 interface BoardProps {
   tiers: Tiers;
   recordings: ReadonlyMap<number, LibraryEntry>;
+  /** Whether these are all. */
+  isWhole: boolean;
   behaviour: Behaviour;
   previewed: number | null;
   /** The recording that was moved last. */
@@ -162,9 +164,15 @@ export function focusTray(): void {
 
 /** The unranked recordings, between ways to place many of them and to get more. */
 export function Tray(
-  props: BoardProps & { unranked: readonly number[]; above: ReactNode; below: ReactNode },
+  props: BoardProps & {
+    unranked: readonly number[];
+    /** How many there are, more than those while these are the newest. */
+    nUnranked: number;
+    above: ReactNode;
+    below: ReactNode;
+  },
 ) {
-  const { unranked, above, below, moved } = props;
+  const { unranked, nUnranked, above, below, moved } = props;
   const { setPlace, isOver } = useDropPlace(TRAY);
   const [scroller, setScroller] = useState<HTMLElement | null>(null);
   const setTray = useCallback(
@@ -176,19 +184,19 @@ export function Tray(
   );
   const dragged = useDragged();
   const pinned = useMemo(() => [moved, dragged].filter((id) => id !== null), [moved, dragged]);
-  const isLong = unranked.length > LONG;
+  const isLong = nUnranked > LONG;
   return (
     <section
       ref={setTray}
       className={classes(styles.tray, isLong && styles.long, isOver && styles.over)}
-      aria-label={t`Unranked, ${plural(unranked.length, { one: "# recording", other: "# recordings" })}`}
+      aria-label={t`Unranked, ${plural(nUnranked, { one: "# recording", other: "# recordings" })}`}
     >
       <h3 data-tray tabIndex={-1}>
-        <Trans>Unranked ({unranked.length})</Trans>
+        <Trans>Unranked ({nUnranked})</Trans>
       </h3>
       {above}
       {isLong && below}
-      {unranked.length === 0 ? (
+      {nUnranked === 0 ? (
         <p className={styles.trayEmpty}>
           <Trans>All recordings are ranked.</Trans>
         </p>
@@ -210,9 +218,9 @@ export function Tray(
 }
 
 function cardOf(props: BoardProps, id: number, placeName: string): ReactNode {
-  const { tiers, recordings, behaviour, previewed, narrow, selected, moved } = props;
+  const { tiers, recordings, isWhole, behaviour, previewed, narrow, selected, moved } = props;
   const { onPreview, onMove, onSelect, onPerfect, onGiveBack, renderOpinion } = props;
-  if (!recordings.has(id)) return null;
+  if (isWhole && !recordings.has(id)) return null;
   return (
     <div key={id}>
       <ShownCard
