@@ -70,7 +70,7 @@ export function RankingDesk({ behaviour, ranking, recordings, isWhole }: Ranking
       isWhole ? recordings.flatMap((one) => (one.perfect && !one.deleted ? [one.id] : [])) : null,
     [recordings, isWhole],
   );
-  const actions = useRecordingActions(behaviour.id);
+  const { setPerfect } = useRecordingActions(behaviour.id);
   const { mark, question } = usePerfectMark(behaviour);
   const { giveBack } = useBorrowing(behaviour.id);
   const byId = useMemo(() => new Map(recordings.map((one) => [one.id, one])), [recordings]);
@@ -99,23 +99,64 @@ export function RankingDesk({ behaviour, ranking, recordings, isWhole }: Ranking
   const refocus = useKeptFocus(tiers);
   /** The card that was moved last, which is laid out even out of sight, to keep the focus. */
   const [moved, setMoved] = useState<number | null>(null);
-  const keepFocus: typeof refocus = (id, kind) => {
-    setMoved(id);
-    refocus(id, kind);
-  };
+  const keepFocus: typeof refocus = useCallback(
+    (id, kind) => {
+      setMoved(id);
+      refocus(id, kind);
+    },
+    [refocus],
+  );
 
   const nameOfItem = useCallback((item: string) => recordingName({ id: Number(item) }), []);
   const nameOfPlace = useCallback((to: string) => describePlace(to, tiers), [tiers]);
 
-  function move(id: number, kind: Move) {
-    keepFocus(id, kind);
-    show(id, applyMove(tiers, id, kind));
-  }
-
-  function show(id: number, next: Tiers) {
-    saver.change(next);
-    setSpoken(`${recordingName({ id })}: ${describePosition(next, id)}.`);
-  }
+  const show = useCallback(
+    (id: number, next: Tiers) => {
+      saver.change(next);
+      setSpoken(`${recordingName({ id })}: ${describePosition(next, id)}.`);
+    },
+    [saver],
+  );
+  const move = useCallback(
+    (id: number, kind: Move) => {
+      keepFocus(id, kind);
+      show(id, applyMove(tiers, id, kind));
+    },
+    [tiers, keepFocus, show],
+  );
+  const select = useCallback((id: number, on: boolean) => {
+    setChosen((before) => new Set(on ? [...before, id] : [...before].filter((one) => one !== id)));
+  }, []);
+  const togglePerfect = useCallback(
+    (one: Recording) => {
+      if (one.perfect) setPerfect(one, false);
+      else mark([one], () => setPerfect(one, true));
+    },
+    [setPerfect, mark],
+  );
+  const { of: opinionOf, current: isCurrent } = opinions;
+  const renderOpinion = useCallback(
+    (id: number) => {
+      const opinion = opinionOf.get(id);
+      const at = tierOf(tiers, id);
+      return (
+        opinion && (
+          <Opinion
+            opinion={opinion}
+            tier={at < 0 ? null : at + 1}
+            kept={kept.has(id)}
+            current={isCurrent}
+            onMove={(tier) => {
+              keepFocus(id);
+              show(id, place(tiers, id, { kind: "tier", tier: tier - 1 }));
+            }}
+            onKeep={() => setKept((before) => new Set([...before, id]))}
+          />
+        )
+      );
+    },
+    [opinionOf, isCurrent, tiers, kept, keepFocus, show],
+  );
 
   function putSelected(to: string) {
     const [first] = selected;
@@ -130,6 +171,7 @@ export function RankingDesk({ behaviour, ranking, recordings, isWhole }: Ranking
     setChosen(new Set());
   }
 
+  const pairs = useMemo(() => openPairs(tiers, unranked, byId), [tiers, unranked, byId]);
   const isComparable = isWhole && canCompare(state, unranked);
   const selectedUnranked = useMemo(
     () => unranked.filter((id) => chosen.has(id)),
@@ -157,34 +199,10 @@ export function RankingDesk({ behaviour, ranking, recordings, isWhole }: Ranking
     onPreview: setPreviewed,
     onMove: move,
     selected: chosen,
-    onSelect: (id: number, on: boolean) =>
-      setChosen(
-        (before) => new Set(on ? [...before, id] : [...before].filter((one) => one !== id)),
-      ),
-    onPerfect: (one: Recording) => {
-      if (one.perfect) actions.setPerfect(one, false);
-      else mark([one], () => actions.setPerfect(one, true));
-    },
+    onSelect: select,
+    onPerfect: togglePerfect,
     onGiveBack: giveBack,
-    renderOpinion: (id: number) => {
-      const opinion = opinions.of.get(id);
-      const at = tierOf(tiers, id);
-      return (
-        opinion && (
-          <Opinion
-            opinion={opinion}
-            tier={at < 0 ? null : at + 1}
-            kept={kept.has(id)}
-            current={opinions.current}
-            onMove={(tier) => {
-              keepFocus(id);
-              show(id, place(tiers, id, { kind: "tier", tier: tier - 1 }));
-            }}
-            onKeep={() => setKept((before) => new Set([...before, id]))}
-          />
-        )
-      );
-    },
+    renderOpinion,
   };
   return (
     <DragBoard
@@ -219,7 +237,7 @@ export function RankingDesk({ behaviour, ranking, recordings, isWhole }: Ranking
             />
           )}
           <Pairs
-            pairs={openPairs(tiers, unranked, byId)}
+            pairs={pairs}
             behaviour={behaviour}
             onPreview={setPreviewed}
             onJudge={(pair, verdict) => {
