@@ -35,11 +35,18 @@ from tril.store.models import RecordingRow, Source
 AFTER_EDIT_S: Final = 4.0
 """How long is listened after somebody else's edit: changes are told every half second."""
 
-RECORDINGS = ("recordings", "document.querySelectorAll('article img').length > 0")
+BUTTONS = "[...document.querySelectorAll('button')].map((one) => one.textContent)"
+RECORDINGS = (
+    "recordings",
+    "document.querySelectorAll('article img').length > 0",
+    f"{BUTTONS}.includes('Select all shown')",
+)
 RANK = (
     "rank",
     "document.querySelectorAll('section[aria-label^=Unranked] article').length > 0",
+    f"{BUTTONS}.includes('Place by comparing')",
 )
+"""Pages, when the newest recordings can be used, and when what is about all of them can be, too."""
 SELECT = '[aria-label^="Select Recording"]'
 NODES = "document.querySelectorAll('*').length"
 
@@ -80,10 +87,10 @@ def heap_mb(devtools: CDPSession) -> float:
 
 
 def measure(
-    page: Page, server: LiveServer, which: tuple[str, str], behaviour_id: int
+    page: Page, server: LiveServer, which: tuple[str, str, str], behaviour_id: int
 ) -> dict[str, float]:
     """Return the figures of one of the pages."""
-    name, usable = which
+    name, usable, complete = which
     found: dict[str, float] = {}
     devtools = page.context.new_cdp_session(page)
     devtools.send("Performance.enable")
@@ -96,6 +103,8 @@ def measure(
     path = f"/behaviours/{behaviour_id}/{name}"
     spent = processor_s()
     found["usable, s"] = until_drawn(page, lambda: page.goto(path, wait_until="commit"), usable)
+    rest = until_drawn(page, lambda: None, complete)
+    found["all of it usable, s"] = found["usable, s"] + rest
     found["processor until then, s"] = processor_s() - spent
     found["received, kB"] = sum(received) / 1e3
     found["DOM nodes"] = page.evaluate(NODES)

@@ -112,15 +112,28 @@ def get_library(
         int | None,
         Query(ge=0, le=MAX_ID, description="Only what changed after an answer's `cursor`."),
     ] = None,
+    before: Annotated[
+        int | None,
+        Query(ge=1, le=MAX_ID, description="Only those with lower ids; not of what changed."),
+    ] = None,
+    limit: Annotated[
+        int | None, Query(ge=1, le=MAX_ID, description="At most so many; not of what changed.")
+    ] = None,
     deleted: Annotated[bool, Query(description="With deleted ones.")] = False,
 ) -> Response:
-    """Return all of a behaviour's recordings in brief, or what changed.
+    """Return all of a behaviour's recordings in brief, newest first, a part, or what changed.
 
     A participant gets their own, and is not told what is ranked or perfect.
     """
     behaviour = behaviours.get(session, behaviour_id)
     brief = library.brief(
-        session, behaviour_id, since=since, with_deleted=deleted, only_of=identity.visible_player_id
+        session,
+        behaviour_id,
+        since=since,
+        before=before,
+        limit=limit,
+        with_deleted=deleted,
+        only_of=identity.visible_player_id,
     )
     return library_response(session, identity, behaviour, brief)
 

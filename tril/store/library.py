@@ -53,7 +53,7 @@ Entry = Any
 
 @dataclass(frozen=True)
 class Brief:
-    """A library, or what of it changed.
+    """A library, a part of it, or what of it changed.
 
     Attributes:
         cursor: The newest change that it contains; later ones are those since.
@@ -73,6 +73,8 @@ def brief(
     behaviour_id: int,
     *,
     since: int | None = None,
+    before: int | None = None,
+    limit: int | None = None,
     with_deleted: bool = False,
     only_of: int | None = None,
 ) -> Brief:
@@ -83,6 +85,8 @@ def brief(
         behaviour_id: The behaviour.
         since: Return only what changed after this cursor. Changes are kept for an hour; the whole
             library is returned if they are gone, or too many.
+        before: Only recordings with lower ids; not of what changed.
+        limit: At most so many, the newest; not of what changed.
         with_deleted: Whether to include deleted recordings.
         only_of: Only the games that this person played.
     """
@@ -98,7 +102,10 @@ def brief(
         where += [RecordingRow.player_id == only_of, RecordingRow.source == Source.PERSON]
     changed = None if since is None else _changed(session, behaviour_id, since, cursor)
     if changed is None:
-        return Brief(cursor, True, _entries(session, *where), [])
+        if before is not None:
+            where.append(RecordingRow.id < before)
+        entries = _entries(session, *where, limit=limit)
+        return Brief(cursor, before is None and len(entries) != limit, entries, [])
     entries = _entries(session, *where, RecordingRow.id.in_(changed)) if changed else []
     removed = changed - {entry.id for entry in entries}
     if only_of is not None and removed:
@@ -170,12 +177,15 @@ def same_games(
     }
 
 
-def _entries(session: Session, *where: ColumnElement[bool]) -> Sequence[Entry]:
+def _entries(
+    session: Session, *where: ColumnElement[bool], limit: int | None = None
+) -> Sequence[Entry]:
     query = (
         select(*_COLUMNS)
         .outerjoin(PlayerRow, PlayerRow.id == RecordingRow.player_id)
         .where(*where)
         .order_by(RecordingRow.id.desc())
+        .limit(limit)
     )
     # Rows of the connection take half the time of the session's.
     return session.connection().execute(query).all()

@@ -2,7 +2,7 @@
  * A behaviour's library: all recordings in brief, of which only what changed is fetched again, and
  * the recordings themselves, fetched as they are shown.
  */
-import { queryOptions, useQueries } from "@tanstack/react-query";
+import { queryOptions, skipToken, useQueries, useQuery } from "@tanstack/react-query";
 
 import { inBatches } from "./batches";
 import { api, ProblemError, unwrap } from "./client";
@@ -16,6 +16,11 @@ export interface KnownLibrary {
   readonly entries: readonly LibraryEntry[];
 }
 
+/** Recordings that are fetched, and shown, before the others. */
+const N_NEWEST = 200;
+/** Recordings that are fetched at once after them; the server does one request of a person at a time. */
+const PART_LENGTH = 2000;
+
 /** A behaviour's kept, unfinished and undecided recordings in brief, newest first. */
 export function libraryQuery(behaviourId: number, { deleted = false } = {}) {
   const queryKey: readonly unknown[] = deleted
@@ -24,19 +29,50 @@ export function libraryQuery(behaviourId: number, { deleted = false } = {}) {
   return queryOptions({
     queryKey,
     queryFn: async ({ client, signal }): Promise<KnownLibrary> => {
+      const fetchPart = (part: { since?: number; before?: number; limit?: number }) =>
+        unwrap(
+          api.GET("/api/behaviours/{behaviour_id}/library", {
+            params: {
+              path: { behaviour_id: behaviourId },
+              query: { ...part, ...(deleted && { deleted }) },
+            },
+            signal,
+          }),
+        );
       const known = client.getQueryData<KnownLibrary>(queryKey);
-      const query = { ...(known && { since: known.cursor }), ...(deleted && { deleted }) };
-      const answer = await unwrap(
-        api.GET("/api/behaviours/{behaviour_id}/library", {
-          params: { path: { behaviour_id: behaviourId }, query },
-          signal,
-        }),
-      );
-      return withChanges(known, answer);
+      if (known) return withChanges(known, await fetchPart({ since: known.cursor }));
+      const first = await fetchPart({ limit: N_NEWEST });
+      const { cursor, entries } = withChanges(undefined, first);
+      if (first.whole) return { cursor, entries };
+      client.setQueryData(newestQuery(behaviourId, { deleted }).queryKey, entries);
+      const all = [...entries];
+      for (let isLast = false; !isLast;) {
+        const before = all.at(-1)?.id ?? 1;
+        const { recordings, ranked } = await fetchPart({ before, limit: PART_LENGTH });
+        all.push(...entriesOf(recordings, new Set(ranked)));
+        isLast = recordings.id.length < PART_LENGTH;
+      }
+      // What changed while the parts were fetched.
+      return withChanges({ cursor, entries: all }, await fetchPart({ since: cursor }));
     },
     // Comparing tens of thousands of entries would take longer than keeping those that are equal.
     structuralSharing: false,
   });
+}
+
+/** The newest recordings of a library whose others are still fetched. */
+function newestQuery(behaviourId: number, { deleted = false } = {}) {
+  return queryOptions<readonly LibraryEntry[]>({
+    queryKey: [...libraryQuery(behaviourId, { deleted }).queryKey, "newest"],
+    queryFn: skipToken,
+  });
+}
+
+/** Returns a behaviour's recordings, newest first, or only the newest until all are there. */
+export function useLibrary(behaviourId: number) {
+  const { data: whole, error, refetch } = useQuery(libraryQuery(behaviourId));
+  const { data: newest } = useQuery(newestQuery(behaviourId));
+  return { entries: whole?.entries ?? newest, isWhole: whole !== undefined, error, refetch };
 }
 
 /** The games that a behaviour has borrowed for its ranking, in brief, newest first. */

@@ -197,7 +197,7 @@ export interface paths {
         };
         /**
          * Get Library
-         * @description Return all of a behaviour's recordings in brief, or what changed.
+         * @description Return all of a behaviour's recordings in brief, newest first, a part, or what changed.
          *
          *     A participant gets their own, and is not told what is ranked or perfect.
          */
@@ -2103,11 +2103,11 @@ export interface components {
         };
         /**
          * Library
-         * @description A library in brief, or what of it changed.
+         * @description A library in brief, a part of it, or what of it changed.
          *
          *     ``cursor`` asks for what changes from here on. ``whole`` tells that ``recordings`` are all; else
-         *     they replace those with the same ids, and ``removed`` are no longer in it. ``ranked`` are always
-         *     all recordings in the ranking, best first.
+         *     they are added, or replace those with the same ids, and ``removed`` are no longer in it.
+         *     ``ranked`` are always all recordings in the ranking, best first.
          */
         Library: {
             /** Cursor */
@@ -4562,8 +4562,12 @@ export interface operations {
     get_library: {
         parameters: {
             query?: {
+                /** @description Only those with lower ids; not of what changed. */
+                before?: number | null;
                 /** @description With deleted ones. */
                 deleted?: boolean;
+                /** @description At most so many; not of what changed. */
+                limit?: number | null;
                 /** @description Only what changed after an answer's `cursor`. */
                 since?: number | null;
             };

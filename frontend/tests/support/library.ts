@@ -12,7 +12,7 @@ export function libraryOf(list: readonly Row[], change: Partial<Library> = {}): 
     cursor: 1,
     whole: true,
     removed: [],
-    ranked: list.filter(({ ranked }) => ranked).map(({ id }) => id),
+    ranked: rankedOf(list),
     recordings: {
       id: column(({ id }) => id),
       source: column(({ source }) => source),
@@ -38,6 +38,18 @@ export function libraryOf(list: readonly Row[], change: Partial<Library> = {}): 
     ...change,
   };
 }
+
+/** The part of a library that a request asks for. */
+export function partOf(list: readonly Row[], query: URLSearchParams): Library {
+  if (query.has("since")) return libraryOf([], { whole: false, ranked: rankedOf(list) });
+  const before = Number(query.get("before") ?? Infinity);
+  const limit = Number(query.get("limit") ?? Infinity);
+  const part = list.filter(({ id }) => id < before).slice(0, limit);
+  const whole = before === Infinity && part.length < limit;
+  return libraryOf(part, { whole, ranked: rankedOf(list) });
+}
+
+const rankedOf = (list: readonly Row[]) => list.filter(({ ranked }) => ranked).map(({ id }) => id);
 
 /** Answers of a server that has these recordings of behaviour 1, borrowed ones among them. */
 export function libraryRoutes(

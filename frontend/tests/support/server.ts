@@ -24,6 +24,15 @@ export class Refusal {
 
 type Answer = (asked: Asked) => unknown;
 
+/** A promise that an answer may wait for, and what resolves it. */
+export function deferred() {
+  let resolve: () => void = () => undefined;
+  const promise = new Promise<void>((done) => {
+    resolve = done;
+  });
+  return { promise, resolve };
+}
+
 /**
  * Replaces `fetch` by a fake server; returns the requests it receives.
  *

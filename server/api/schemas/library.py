@@ -37,11 +37,11 @@ class LibraryColumns(Schema):
 
 
 class Library(Schema):
-    """A library in brief, or what of it changed.
+    """A library in brief, a part of it, or what of it changed.
 
     ``cursor`` asks for what changes from here on. ``whole`` tells that ``recordings`` are all; else
-    they replace those with the same ids, and ``removed`` are no longer in it. ``ranked`` are always
-    all recordings in the ranking, best first.
+    they are added, or replace those with the same ids, and ``removed`` are no longer in it.
+    ``ranked`` are always all recordings in the ranking, best first.
     """
 
     cursor: int

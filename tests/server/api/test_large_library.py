@@ -80,6 +80,31 @@ def test_one_recording_that_changes_is_told_alone(client: TestClient, workplace:
     assert changes_since(client, gone["cursor"])["recordings"]["id"] == [many[5]]
 
 
+def test_a_library_comes_in_parts_the_newest_first(
+    client: TestClient, workplace: Workplace
+) -> None:
+    add_copies(workplace)
+    whole = client.get(LIBRARY).json()
+    rows = rows_of(whole)
+    ids = [row["id"] for row in rows]
+    parts = [client.get(LIBRARY, params={"limit": 200}).json()]
+    while len(parts[-1]["recordings"]["id"]) > 0:
+        before = parts[-1]["recordings"]["id"][-1]
+        parts.append(client.get(LIBRARY, params={"limit": 300, "before": before}).json())
+    assert [len(part["recordings"]["id"]) for part in parts] == [200, 300, MANY + 4 - 500, 0]
+    assert [row for part in parts for row in rows_of(part)] == rows
+    assert not any(part["whole"] for part in parts)
+    assert {tuple(part["ranked"]) for part in parts} == {workplace.ranked}
+    all_at_once = client.get(LIBRARY, params={"limit": len(ids) + 1}).json()
+    assert (all_at_once["whole"], rows_of(all_at_once)) == (True, rows)
+    assert client.get(LIBRARY, params={"limit": 0}).status_code == 422
+    # What changed is told in full.
+    cursor = {"since": whole["cursor"], "limit": 1}
+    for key in ids[:2]:
+        client.patch(f"/api/recordings/{key}", json={"perfect": True})
+    assert client.get(LIBRARY, params=cursor).json()["recordings"]["id"] == ids[:2]
+
+
 @pytest.mark.parametrize("cursor", [-1, 1])
 def test_the_whole_library_is_told_where_changes_are_not_known(
     client: TestClient, workplace: Workplace, cursor: int

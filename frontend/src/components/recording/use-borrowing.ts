@@ -39,7 +39,7 @@ export function useBorrowing(behaviourId: number): Borrowing {
         () => true,
         () => false,
       ),
-    giveBack: (recording) => givingBack.mutate(recording),
+    giveBack: givingBack.mutate,
     isPending: adding.isPending || givingBack.isPending,
     refresh,
   };

@@ -1,6 +1,6 @@
 import { plural, t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
-import { type ReactNode, useState } from "react";
+import { type ReactNode, useCallback, useState } from "react";
 
 import type { Behaviour } from "@/api/types";
 import { Button } from "@/components/controls/Button";
@@ -24,13 +24,16 @@ export function usePerfectMark(behaviour: Behaviour): PerfectMark {
   const game = useGame();
   const [asked, setAsked] = useState<{ sentence: string; confirmed: () => void } | null>(null);
 
-  function mark(games: readonly Played[], confirmed: () => void) {
-    const found = games
-      .map((one) => imperfections(one, behaviour, game))
-      .filter((one) => one.length > 0);
-    if (found.length === 0) confirmed();
-    else setAsked({ sentence: sentenceOf(found, games.length), confirmed });
-  }
+  const mark = useCallback(
+    (games: readonly Played[], confirmed: () => void) => {
+      const found = games
+        .map((one) => imperfections(one, behaviour, game))
+        .filter((one) => one.length > 0);
+      if (found.length === 0) confirmed();
+      else setAsked({ sentence: sentenceOf(found, games.length), confirmed });
+    },
+    [behaviour, game],
+  );
 
   const question = asked && (
     <Dialog title={t`Mark as perfect?`} width="26rem" onClose={() => setAsked(null)}>

@@ -1,5 +1,6 @@
 import { plural, t } from "@lingui/core/macro";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useCallback } from "react";
 
 import { messageOf } from "@/api/client";
 import {
@@ -120,8 +121,13 @@ export function useRecordingActions(behaviourId: number): RecordingActions {
     onSettled: () => settle(),
   });
 
+  const { mutate: send } = update;
+  const setPerfect: RecordingActions["setPerfect"] = useCallback(
+    ({ id }, perfect) => send({ id, body: { perfect } }),
+    [send],
+  );
   return {
-    setPerfect: ({ id }, perfect) => update.mutate({ id, body: { perfect } }),
+    setPerfect,
     setNotes: ({ id }, notes) => update.mutateAsync({ id, body: { notes } }),
     keep: ({ id }) => keep.mutate(id),
     remove: (recording) => remove.mutate(recording),

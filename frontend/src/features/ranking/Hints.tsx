@@ -27,13 +27,13 @@ interface Hint {
 /** Returns what training needs and whether it is there. */
 function hintsFor(
   tiers: Tiers,
-  recordings: readonly LibraryEntry[],
+  nPerfect: number,
+  borrowed: readonly LibraryEntry[],
   behaviour: Behaviour,
 ): readonly Hint[] {
   const ranked = new Set(tiers.flat());
   const nRanked = ranked.size;
-  const nBorrowed = recordings.filter((one) => one.borrowed && ranked.has(one.id)).length;
-  const nPerfect = recordings.filter((one) => one.perfect).length;
+  const nBorrowed = borrowed.filter(({ id }) => ranked.has(id)).length;
   const pairs = pairCount(tiers);
   return [
     tiers.length >= 2
@@ -98,17 +98,20 @@ function canTrain(hints: readonly Hint[]): boolean {
 /** What training needs, and the link to it once that is there. */
 export function Hints({
   tiers,
-  recordings,
+  nPerfect,
+  borrowed,
   behaviour,
 }: {
   tiers: Tiers;
-  recordings: readonly LibraryEntry[];
+  nPerfect: number;
+  /** What the behaviour has borrowed. */
+  borrowed: readonly LibraryEntry[];
   behaviour: Behaviour;
 }) {
   const at = `/behaviours/${behaviour.id}`;
   const further = continuing(useSearchParams()[0]);
   const parentId = further.get("continue");
-  const hints = hintsFor(tiers, recordings, behaviour);
+  const hints = hintsFor(tiers, nPerfect, borrowed, behaviour);
   return (
     <section className={styles.hints} aria-label={t`What training needs`}>
       <ul className={styles.hints}>

@@ -2,50 +2,57 @@ import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import { useMemo } from "react";
+import { useLocation, useSearchParams } from "react-router";
 
-import { borrowedQuery, libraryQuery } from "@/api/library";
+import { borrowedQuery, useLibrary } from "@/api/library";
 import type { Behaviour, LibraryEntry } from "@/api/types";
 import { ButtonLink } from "@/components/controls/Button";
 import { Empty, Failed, Loading } from "@/components/feedback/States";
 import { rankingQuery } from "@/features/ranking/order/rankings";
 import { whyUnrankable } from "@/lib/recordings";
+import { selectedBy } from "@/lib/selection";
 
 import { RankingDesk } from "./RankingDesk";
 
 /** Ranks the recordings of a behaviour into tiers, best to worst. */
 export function RankPage({ behaviour }: { behaviour: Behaviour }) {
   const ranking = useQuery(rankingQuery(behaviour.id));
-  const recordings = useQuery(libraryQuery(behaviour.id));
+  const library = useLibrary(behaviour.id);
   const borrowed = useQuery(borrowedQuery(behaviour.id));
+  const { entries, isWhole } = library;
   const rankable = useMemo(
-    () => withBorrowed(recordings.data?.entries ?? [], borrowed.data ?? []),
-    [recordings.data, borrowed.data],
+    () => withBorrowed(entries ?? [], borrowed.data ?? []),
+    [entries, borrowed.data],
   );
-  const error = ranking.error ?? recordings.error ?? borrowed.error;
-  if (error && !(ranking.data && recordings.data && borrowed.data)) {
+  // What is selected or compared at once may be among any.
+  const asksForAny = selectedBy(useLocation().state).length > 0;
+  const needsAny = useSearchParams()[0].has("compare") || asksForAny;
+  const error = ranking.error ?? library.error ?? borrowed.error;
+  if (error && !(ranking.data && isWhole && borrowed.data)) {
     return (
       <Failed
         what={t`The ranking`}
         error={error}
         onRetry={() => {
           void ranking.refetch();
-          void recordings.refetch();
+          void library.refetch();
           void borrowed.refetch();
         }}
       />
     );
   }
-  if (!ranking.data || !recordings.data || !borrowed.data)
+  const isNothing =
+    ranking.data?.tiers.length === 0 && !rankable.some((one) => whyUnrankable(one) === null);
+  if (!ranking.data || !entries || !borrowed.data || (!isWhole && (needsAny || isNothing)))
     return <Loading what={t`the ranking`} rows={4} />;
-  const { tiers } = ranking.data;
-  if (tiers.length === 0 && !rankable.some((one) => whyUnrankable(one) === null))
-    return <NothingToRank behaviour={behaviour} />;
+  if (isNothing) return <NothingToRank behaviour={behaviour} />;
   return (
     <RankingDesk
       key={behaviour.id}
       behaviour={behaviour}
       ranking={ranking.data}
       recordings={rankable}
+      isWhole={isWhole}
     />
   );
 }

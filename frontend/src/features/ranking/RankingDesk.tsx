@@ -51,10 +51,12 @@ interface RankingDeskProps {
   ranking: Ranking;
   /** The library and what is borrowed, in brief, newest first. */
   recordings: readonly LibraryEntry[];
+  /** Whether these are all; else they are the newest, and all that is borrowed. */
+  isWhole: boolean;
 }
 
 /** The board with the tray, the preview and the hints beside it. */
-export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps) {
+export function RankingDesk({ behaviour, ranking, recordings, isWhole }: RankingDeskProps) {
   const [state, saver] = useRankingSaver(ranking);
   const [previewed, setPreviewed] = useState<number | null>(null);
   const [spoken, setSpoken] = useState("");
@@ -64,16 +66,20 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
   const isRead = isReadByStatements(behaviour);
   const opinions = useOpinions(behaviour.id, state, advised && !isRead);
   const perfect = useMemo(
-    () => recordings.flatMap((one) => (one.perfect && !one.deleted ? [one.id] : [])),
-    [recordings],
+    () =>
+      isWhole ? recordings.flatMap((one) => (one.perfect && !one.deleted ? [one.id] : [])) : null,
+    [recordings, isWhole],
   );
-  const actions = useRecordingActions(behaviour.id);
+  const { setPerfect } = useRecordingActions(behaviour.id);
   const { mark, question } = usePerfectMark(behaviour);
   const { giveBack } = useBorrowing(behaviour.id);
   const byId = useMemo(() => new Map(recordings.map((one) => [one.id, one])), [recordings]);
   const narrow = useMedia("(max-width: 66rem)");
   const { tiers } = state;
   const unranked = useMemo(() => unrankedOf(recordings, tiers), [recordings, tiers]);
+  const nRanked = useMemo(() => tiers.flat().length, [tiers]);
+  const borrowed = useMemo(() => recordings.filter((one) => one.borrowed), [recordings]);
+  const nUnranked = isWhole ? unranked.length : behaviour.n_recordings + borrowed.length - nRanked;
   const arrivedWith: unknown = useLocation().state;
   const [chosen, setChosen] = useState<ReadonlySet<number>>(
     () => new Set(selectedBy(arrivedWith).filter((id) => unranked.includes(id))),
@@ -82,6 +88,7 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
     () => [...tiers.flat(), ...unranked].filter((id) => chosen.has(id)),
     [tiers, unranked, chosen],
   );
+  const varied = useMemo(() => unranked.filter((id) => isVaried(byId.get(id))), [unranked, byId]);
   const [search, setSearch] = useSearchParams();
   const [compared, setCompared] = useState(
     search.has("compare") && canCompare(state, unranked) ? unranked : null,
@@ -92,23 +99,64 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
   const refocus = useKeptFocus(tiers);
   /** The card that was moved last, which is laid out even out of sight, to keep the focus. */
   const [moved, setMoved] = useState<number | null>(null);
-  const keepFocus: typeof refocus = (id, kind) => {
-    setMoved(id);
-    refocus(id, kind);
-  };
+  const keepFocus: typeof refocus = useCallback(
+    (id, kind) => {
+      setMoved(id);
+      refocus(id, kind);
+    },
+    [refocus],
+  );
 
   const nameOfItem = useCallback((item: string) => recordingName({ id: Number(item) }), []);
   const nameOfPlace = useCallback((to: string) => describePlace(to, tiers), [tiers]);
 
-  function move(id: number, kind: Move) {
-    keepFocus(id, kind);
-    show(id, applyMove(tiers, id, kind));
-  }
-
-  function show(id: number, next: Tiers) {
-    saver.change(next);
-    setSpoken(`${recordingName({ id })}: ${describePosition(next, id)}.`);
-  }
+  const show = useCallback(
+    (id: number, next: Tiers) => {
+      saver.change(next);
+      setSpoken(`${recordingName({ id })}: ${describePosition(next, id)}.`);
+    },
+    [saver],
+  );
+  const move = useCallback(
+    (id: number, kind: Move) => {
+      keepFocus(id, kind);
+      show(id, applyMove(tiers, id, kind));
+    },
+    [tiers, keepFocus, show],
+  );
+  const select = useCallback((id: number, on: boolean) => {
+    setChosen((before) => new Set(on ? [...before, id] : [...before].filter((one) => one !== id)));
+  }, []);
+  const togglePerfect = useCallback(
+    (one: Recording) => {
+      if (one.perfect) setPerfect(one, false);
+      else mark([one], () => setPerfect(one, true));
+    },
+    [setPerfect, mark],
+  );
+  const { of: opinionOf, current: isCurrent } = opinions;
+  const renderOpinion = useCallback(
+    (id: number) => {
+      const opinion = opinionOf.get(id);
+      const at = tierOf(tiers, id);
+      return (
+        opinion && (
+          <Opinion
+            opinion={opinion}
+            tier={at < 0 ? null : at + 1}
+            kept={kept.has(id)}
+            current={isCurrent}
+            onMove={(tier) => {
+              keepFocus(id);
+              show(id, place(tiers, id, { kind: "tier", tier: tier - 1 }));
+            }}
+            onKeep={() => setKept((before) => new Set([...before, id]))}
+          />
+        )
+      );
+    },
+    [opinionOf, isCurrent, tiers, kept, keepFocus, show],
+  );
 
   function putSelected(to: string) {
     const [first] = selected;
@@ -123,7 +171,8 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
     setChosen(new Set());
   }
 
-  const isComparable = canCompare(state, unranked);
+  const pairs = useMemo(() => openPairs(tiers, unranked, byId), [tiers, unranked, byId]);
+  const isComparable = isWhole && canCompare(state, unranked);
   const selectedUnranked = useMemo(
     () => unranked.filter((id) => chosen.has(id)),
     [unranked, chosen],
@@ -143,40 +192,17 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
     tiers,
     moved,
     recordings: byId,
+    isWhole,
     behaviour,
     previewed,
     narrow,
     onPreview: setPreviewed,
     onMove: move,
     selected: chosen,
-    onSelect: (id: number, on: boolean) =>
-      setChosen(
-        (before) => new Set(on ? [...before, id] : [...before].filter((one) => one !== id)),
-      ),
-    onPerfect: (one: Recording) => {
-      if (one.perfect) actions.setPerfect(one, false);
-      else mark([one], () => actions.setPerfect(one, true));
-    },
+    onSelect: select,
+    onPerfect: togglePerfect,
     onGiveBack: giveBack,
-    renderOpinion: (id: number) => {
-      const opinion = opinions.of.get(id);
-      const at = tierOf(tiers, id);
-      return (
-        opinion && (
-          <Opinion
-            opinion={opinion}
-            tier={at < 0 ? null : at + 1}
-            kept={kept.has(id)}
-            current={opinions.current}
-            onMove={(tier) => {
-              keepFocus(id);
-              show(id, place(tiers, id, { kind: "tier", tier: tier - 1 }));
-            }}
-            onKeep={() => setKept((before) => new Set([...before, id]))}
-          />
-        )
-      );
-    },
+    renderOpinion,
   };
   return (
     <DragBoard
@@ -211,7 +237,7 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
             />
           )}
           <Pairs
-            pairs={openPairs(tiers, unranked, byId)}
+            pairs={pairs}
             behaviour={behaviour}
             onPreview={setPreviewed}
             onJudge={(pair, verdict) => {
@@ -224,10 +250,10 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
               );
             }}
           />
-          {narrow && tiers.length > 0 && unranked.length > 0 && (
+          {narrow && tiers.length > 0 && nUnranked > 0 && (
             <Button className={styles.toUnranked} icon="down" onClick={focusTray}>
               <Plural
-                value={unranked.length}
+                value={nUnranked}
                 one="# game not ranked yet"
                 other="# games not ranked yet"
               />
@@ -243,10 +269,16 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
               behaviour={behaviour}
             />
           )}
-          <Hints tiers={tiers} recordings={recordings} behaviour={behaviour} />
+          <Hints
+            tiers={tiers}
+            nPerfect={perfect?.length ?? behaviour.n_perfect}
+            borrowed={borrowed}
+            behaviour={behaviour}
+          />
           <Tray
             {...desk}
             unranked={unranked}
+            nUnranked={nUnranked}
             above={
               isComparable && (
                 <div>
@@ -259,7 +291,7 @@ export function RankingDesk({ behaviour, ranking, recordings }: RankingDeskProps
             below={
               <VariedGames
                 behaviour={behaviour}
-                unranked={unranked.flatMap((id) => byId.get(id) ?? [])}
+                varied={isWhole ? varied : []}
                 onAdded={(added) => {
                   // One that hits a target may be better than the worst.
                   const ids = added.filter(({ targets }) => !targets).map(({ id }) => id);
@@ -322,6 +354,11 @@ function useChangesElsewhere({ waiting, nReplaced }: SaverState): void {
   useEffect(() => {
     if (nReplaced > before) toast(t`Another tab or person changed the order. This is the new one.`);
   }, [nReplaced, before, toast]);
+}
+
+/** Whether a game was added to make a ranking more varied. */
+function isVaried(one: LibraryEntry | undefined): boolean {
+  return one !== undefined && ((one.borrowed && one.run_id === null) || one.source === "varied");
 }
 
 /** Returns the recordings that can be ranked and are in none of the tiers. */

@@ -3,7 +3,7 @@ import { Trans } from "@lingui/react/macro";
 import { useMutation } from "@tanstack/react-query";
 
 import { messageOf } from "@/api/client";
-import type { Behaviour, LibraryEntry, Recording } from "@/api/types";
+import type { Behaviour, Recording } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { useToast } from "@/components/feedback/Toasts";
 import { useBorrowing } from "@/components/recording/use-borrowing";
@@ -13,13 +13,14 @@ import styles from "./VariedGames.module.css";
 
 interface VariedGamesProps {
   behaviour: Behaviour;
-  unranked: readonly LibraryEntry[];
+  /** The unranked games of these kinds. */
+  varied: readonly number[];
   onAdded: (added: readonly Recording[]) => void;
   onSelect: (ids: readonly number[]) => void;
 }
 
 /** Adds games of other kinds to the unranked recordings, and selects those that are there. */
-export function VariedGames({ behaviour, unranked, onAdded, onSelect }: VariedGamesProps) {
+export function VariedGames({ behaviour, varied, onAdded, onSelect }: VariedGamesProps) {
   const { refresh } = useBorrowing(behaviour.id);
   const toast = useToast();
   const add = useMutation({
@@ -30,9 +31,6 @@ export function VariedGames({ behaviour, unranked, onAdded, onSelect }: VariedGa
     },
     onError: (error) => toast(messageOf(error)),
   });
-  const varied = unranked.filter(
-    (one) => (one.borrowed && one.run_id === null) || one.source === "varied",
-  );
   return (
     <div className={styles.varied}>
       <p>
@@ -53,7 +51,7 @@ export function VariedGames({ behaviour, unranked, onAdded, onSelect }: VariedGa
           {add.isPending ? t`Playing games…` : t`Add varied games`}
         </Button>
         {varied.length > 0 && (
-          <Button kind="quiet" onClick={() => onSelect(varied.map(({ id }) => id))}>
+          <Button kind="quiet" onClick={() => onSelect(varied)}>
             <Trans>Select all varied ({varied.length})</Trans>
           </Button>
         )}

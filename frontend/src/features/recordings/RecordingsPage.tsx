@@ -1,10 +1,9 @@
 import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
-import { useQuery } from "@tanstack/react-query";
 import { type DragEvent, useState } from "react";
 import { Link, useSearchParams } from "react-router";
 
-import { libraryQuery } from "@/api/library";
+import { useLibrary } from "@/api/library";
 import type { Behaviour, Recording } from "@/api/types";
 import { Button, ButtonLink } from "@/components/controls/Button";
 import { Empty, Failed, Loading } from "@/components/feedback/States";
@@ -16,7 +15,7 @@ import { Library } from "@/features/recordings/library/Library";
 
 /** The recordings of a behaviour: watch, mark, annotate, delete, import, export. */
 export function RecordingsPage({ behaviour }: { behaviour: Behaviour }) {
-  const { data, error, refetch } = useQuery(libraryQuery(behaviour.id));
+  const { entries, isWhole, error, refetch } = useLibrary(behaviour.id);
   const [search] = useSearchParams();
   const asksForDeleted = readFilter(search).show === "deleted";
   const [watched, setWatched] = useState<Recording | null>(null);
@@ -31,18 +30,19 @@ export function RecordingsPage({ behaviour }: { behaviour: Behaviour }) {
     setImporting({ dropped: file });
   }
 
-  if (error && !data) {
+  if (error && !isWhole) {
     return <Failed what={t`The recordings`} error={error} onRetry={() => void refetch()} />;
   }
-  if (!data) return <Loading what={t`the recordings`} rows={2} height="18rem" />;
+  if (!entries) return <Loading what={t`the recordings`} rows={2} height="18rem" />;
   return (
     // Dropping a file has a keyboard equivalent, the Import button.
     <div onDragOver={(event) => event.preventDefault()} onDrop={drop}>
-      {data.entries.length === 0 && !asksForDeleted ? (
+      {entries.length === 0 && !asksForDeleted ? (
         <NoRecordings behaviour={behaviour} onImport={onImport} />
       ) : (
         <Library
-          recordings={data.entries}
+          recordings={entries}
+          isWhole={isWhole}
           behaviour={behaviour}
           onWatch={setWatched}
           onImport={onImport}

@@ -7,9 +7,9 @@ import { readDraft, writeDraft } from "@/lib/browser/drafts";
 import { RankPage } from "@/features/ranking/RankPage";
 
 import { behaviour, ranking, recording } from "../../support/data";
-import { libraryRoutes } from "../../support/library";
+import { libraryRoutes, partOf } from "../../support/library";
 import { show } from "../../support/page";
-import { type Asked, Refusal, serve } from "../../support/server";
+import { type Asked, deferred, Refusal, serve } from "../../support/server";
 
 /** Column 2 is wanted, but it is not sure of its highest alien. */
 const WANTED = {
@@ -108,6 +108,49 @@ function board(): string[][] {
 }
 
 const press = (name: string) => userEvent.click(screen.getByRole("button", { name }));
+
+describe("a library of many recordings", () => {
+  const many = Array.from({ length: 300 }, (_, index) =>
+    recording({ id: 300 - index, perfect: index >= 298, ranked: index >= 298 }),
+  );
+
+  function openMany(path: string) {
+    const { promise, resolve } = deferred();
+    serve({
+      ...libraryRoutes(() => many),
+      "GET /api/behaviours/1/library": async ({ query }) => {
+        if (query.has("before")) await promise;
+        return partOf(many, query);
+      },
+      "GET /api/behaviours/1/ranking": () => ranking({ tiers: [[1], [2]] }),
+      "GET /api/behaviours/1/ranking/opinion": () => ({ revision: 0, games: [], wanted: null }),
+    });
+    const shown = behaviour({ n_recordings: 300, n_perfect: 2, n_ranked: 2 });
+    show(<RankPage behaviour={shown} />, path);
+    return resolve;
+  }
+
+  it("shows the order and the newest until the others are there", async () => {
+    const resolve = openMany("/");
+    const tray = await screen.findByRole("region", { name: "Unranked, 298 recordings" });
+    expect(await within(tray).findByLabelText("Select Recording 300")).toBeVisible();
+    await waitFor(() => expect(board()).toEqual([["1"], ["2"]]));
+    expect(screen.getByText(/^2 are marked as perfect/)).toBeVisible();
+    expect(screen.queryByRole("button", { name: "Place by comparing" })).toBeNull();
+    resolve();
+    await screen.findByRole("button", { name: "Place by comparing" });
+    expect(screen.getByRole("region", { name: "Unranked, 298 recordings" })).toBeVisible();
+    expect(board()).toEqual([["1"], ["2"]]);
+    expect(screen.getByText(/^2 are marked as perfect/)).toBeVisible();
+  });
+
+  it("waits for all of them before it compares", async () => {
+    const resolve = openMany("/?compare");
+    await waitFor(() => expect(screen.getByText("Loading the ranking…")).toBeInTheDocument());
+    resolve();
+    expect(await screen.findByRole("dialog")).toBeVisible();
+  });
+});
 
 describe("a run that is to be continued", () => {
   const further = "continue=abcdef00-0000-4000-8000-000000000000&steps=200000";

@@ -7,9 +7,9 @@ import { Invalidator } from "@/app/changes/invalidation";
 import { RecordingsPage } from "@/features/recordings/RecordingsPage";
 
 import { behaviour, recording } from "../../support/data";
-import { libraryOf, libraryRoutes } from "../../support/library";
+import { libraryOf, libraryRoutes, partOf } from "../../support/library";
 import { show } from "../../support/page";
-import { Refusal, serve } from "../../support/server";
+import { deferred, Refusal, serve } from "../../support/server";
 
 function library(list: Recording[], more: Parameters<typeof serve>[0] = {}, path = "/") {
   const asked = serve({ ...libraryRoutes(() => list), ...more });
@@ -313,6 +313,57 @@ describe("the library", () => {
     expect(fetched).toHaveLength(names().length);
     await userEvent.type(screen.getByLabelText("Number"), "12345");
     await waitFor(() => expect(names()).toEqual(["Recording 12345"]));
+  });
+
+  it("shows the newest of many until the others are there", async () => {
+    const many = Array.from({ length: 2500 }, (_, index) =>
+      recording({ id: 2500 - index, perfect: index === 2400 }),
+    );
+    const { promise: others, resolve } = deferred();
+    const { asked } = library(many, {
+      "GET /api/behaviours/1/library": async ({ query }) => {
+        if (query.has("before")) await others;
+        return partOf(many, query);
+      },
+    });
+    const first = await screen.findByRole("article", { name: "Recording 2500" });
+    expect(screen.getByRole("heading", { name: "2,500 recordings" })).toBeVisible();
+    expect(first.closest("[role=listitem]")).toHaveAttribute("aria-setsize", "200");
+    expect(screen.getByText("Loading the others…")).toBeVisible();
+    expect(screen.queryByRole("button", { name: "Select all shown" })).toBeNull();
+    await userEvent.click(screen.getByLabelText("Select Recording 2500"));
+    // One that may be among the others.
+    await userEvent.selectOptions(screen.getByLabelText("Show"), "Perfect ones");
+    expect(names()).toEqual([]);
+    expect(screen.queryByText("No recording matches the filters.")).toBeNull();
+    resolve();
+    await waitFor(() => expect(names()).toEqual(["Recording 100"]));
+    await userEvent.selectOptions(screen.getByLabelText("Show"), "All");
+    await userEvent.click(screen.getByRole("button", { name: "Select all shown" }));
+    expect(screen.getByText("2,500 recordings selected")).toBeVisible();
+    const parts = asked.filter(({ path }) => path.endsWith("/library"));
+    expect(parts.map(({ query }) => query.toString())).toEqual([
+      "limit=200",
+      "before=2301&limit=2000",
+      "before=301&limit=2000",
+      "since=1",
+    ]);
+  });
+
+  it("says what failed where the others can't be fetched", async () => {
+    const many = Array.from({ length: 201 }, (_, index) => recording({ id: 201 - index }));
+    let isDown = true;
+    library(many, {
+      "GET /api/behaviours/1/library": ({ query }) =>
+        isDown && query.has("before")
+          ? new Refusal(503, { detail: "The server is busy." })
+          : partOf(many, query),
+    });
+    expect(await screen.findByText("The server is busy.")).toBeVisible();
+    isDown = false;
+    await userEvent.click(screen.getByRole("button", { name: "Try again" }));
+    await screen.findByRole("button", { name: "Select all shown" });
+    expect(screen.getByRole("heading", { name: "201 recordings" })).toBeVisible();
   });
 
   it("fetches only what somebody else changed", async () => {

@@ -1,11 +1,10 @@
 import { plural, t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
-import { type ReactNode, useCallback, useMemo, useState } from "react";
+import { memo, type ReactNode, useCallback, useMemo, useState } from "react";
 
 import type { Behaviour, LibraryEntry, Recording } from "@/api/types";
 import { ScrolledList } from "@/components/list/VirtualList";
 import {
-  isTied,
   joinAbove,
   moveDown,
   moveUp,
@@ -25,6 +24,8 @@ import { ShownCard } from "./ShownCard";
 interface BoardProps {
   tiers: Tiers;
   recordings: ReadonlyMap<number, LibraryEntry>;
+  /** Whether these are all. */
+  isWhole: boolean;
   behaviour: Behaviour;
   previewed: number | null;
   /** The recording that was moved last. */
@@ -59,19 +60,6 @@ export function applyMove(tiers: Tiers, id: number, move: Move): Tiers {
   }
 }
 
-/** Returns the moves that would change something for a recording. */
-function possibleMoves(tiers: Tiers, id: number): ReadonlySet<Move> {
-  const at = tierOf(tiers, id);
-  if (at < 0) return new Set<Move>(["up", "new"]);
-  const tied = isTied(tiers, id);
-  const moves: Move[] = ["tray"];
-  if (tied || at > 0) moves.push("up");
-  if (tied || at < tiers.length - 1) moves.push("down");
-  if (at > 0) moves.push("join");
-  if (tied) moves.push("new");
-  return new Set(moves);
-}
-
 /** The tiers, best first. */
 export function Board(props: BoardProps) {
   const { tiers } = props;
@@ -80,14 +68,8 @@ export function Board(props: BoardProps) {
     <>
       <ol className={styles.tiers} aria-label={t`Tiers, best first`}>
         {tiers.map((tier, index) => (
-          <li
-            // Keyed by its content, so that cards keep the focus when the tier moves.
-            key={`of-${Math.min(...tier)}`}
-            aria-label={t`Tier ${index + 1} of ${tiers.length}, ${plural(tier.length, { one: "# recording", other: "# recordings" })}`}
-          >
-            <Gap below={tier} />
-            <Tier {...props} tier={tier} index={index} />
-          </li>
+          // Keyed by its content, so that cards keep the focus when the tier moves.
+          <Tier key={`of-${Math.min(...tier)}`} {...props} tier={tier} index={index} />
         ))}
       </ol>
       <LastGap />
@@ -110,10 +92,10 @@ function EmptyBoard() {
 }
 
 /** Between a tier and the one above it. */
-function Gap({ below }: { below: readonly number[] }) {
+const Gap = memo(function Gap({ below }: { below: readonly number[] }) {
   const { setPlace, isOver } = useDropPlace(gapPlace(below));
   return <div ref={setPlace} className={classes(styles.gap, isOver && styles.gapOver)} />;
-}
+});
 
 /** Below the last tier there is room to drop. */
 function LastGap() {
@@ -129,23 +111,32 @@ function Tier(props: BoardProps & { tier: readonly number[]; index: number }) {
   const { tiers, tier, index } = props;
   const name = tierPlace(tier);
   const { setPlace, isOver } = useDropPlace(name);
+  const [n, of] = [tier.length, tiers.length];
+  const label = useMemo(
+    () =>
+      t`Tier ${index + 1} of ${of}, ${plural(n, { one: "# recording", other: "# recordings" })}`,
+    [index, of, n],
+  );
   return (
-    <div ref={setPlace} className={classes(styles.tier, isOver && styles.over)}>
-      <span className={styles.number} aria-hidden="true">
-        {index + 1}
-        {index === 0 && (
-          <small>
-            <Trans>best</Trans>
-          </small>
-        )}
-        {index === tiers.length - 1 && index > 0 && (
-          <small>
-            <Trans>worst</Trans>
-          </small>
-        )}
-      </span>
-      <div className={styles.cards}>{tier.map((id) => cardOf(props, id, name))}</div>
-    </div>
+    <li aria-label={label}>
+      <Gap below={tier} />
+      <div ref={setPlace} className={classes(styles.tier, isOver && styles.over)}>
+        <span className={styles.number} aria-hidden="true">
+          {index + 1}
+          {index === 0 && (
+            <small>
+              <Trans>best</Trans>
+            </small>
+          )}
+          {index === of - 1 && index > 0 && (
+            <small>
+              <Trans>worst</Trans>
+            </small>
+          )}
+        </span>
+        <div className={styles.cards}>{tier.map((id) => cardOf(props, id, name))}</div>
+      </div>
+    </li>
   );
 }
 
@@ -162,9 +153,15 @@ export function focusTray(): void {
 
 /** The unranked recordings, between ways to place many of them and to get more. */
 export function Tray(
-  props: BoardProps & { unranked: readonly number[]; above: ReactNode; below: ReactNode },
+  props: BoardProps & {
+    unranked: readonly number[];
+    /** How many there are, more than those while these are the newest. */
+    nUnranked: number;
+    above: ReactNode;
+    below: ReactNode;
+  },
 ) {
-  const { unranked, above, below, moved } = props;
+  const { unranked, nUnranked, above, below, moved } = props;
   const { setPlace, isOver } = useDropPlace(TRAY);
   const [scroller, setScroller] = useState<HTMLElement | null>(null);
   const setTray = useCallback(
@@ -176,19 +173,19 @@ export function Tray(
   );
   const dragged = useDragged();
   const pinned = useMemo(() => [moved, dragged].filter((id) => id !== null), [moved, dragged]);
-  const isLong = unranked.length > LONG;
+  const isLong = nUnranked > LONG;
   return (
     <section
       ref={setTray}
       className={classes(styles.tray, isLong && styles.long, isOver && styles.over)}
-      aria-label={t`Unranked, ${plural(unranked.length, { one: "# recording", other: "# recordings" })}`}
+      aria-label={t`Unranked, ${plural(nUnranked, { one: "# recording", other: "# recordings" })}`}
     >
       <h3 data-tray tabIndex={-1}>
-        <Trans>Unranked ({unranked.length})</Trans>
+        <Trans>Unranked ({nUnranked})</Trans>
       </h3>
       {above}
       {isLong && below}
-      {unranked.length === 0 ? (
+      {nUnranked === 0 ? (
         <p className={styles.trayEmpty}>
           <Trans>All recordings are ranked.</Trans>
         </p>
@@ -210,9 +207,9 @@ export function Tray(
 }
 
 function cardOf(props: BoardProps, id: number, placeName: string): ReactNode {
-  const { tiers, recordings, behaviour, previewed, narrow, selected, moved } = props;
+  const { tiers, recordings, isWhole, behaviour, previewed, narrow, selected, moved } = props;
   const { onPreview, onMove, onSelect, onPerfect, onGiveBack, renderOpinion } = props;
-  if (!recordings.has(id)) return null;
+  if (isWhole && !recordings.has(id)) return null;
   return (
     <div key={id}>
       <ShownCard
@@ -223,14 +220,14 @@ function cardOf(props: BoardProps, id: number, placeName: string): ReactNode {
         ranked={placeName !== TRAY}
         previewed={previewed === id}
         unfolded={previewed === id && narrow}
-        possible={possibleMoves(tiers, id)}
-        onMove={(move) => onMove(id, move)}
+        tiers={tiers}
+        onMove={onMove}
         selected={selected.has(id)}
-        onSelect={(on) => onSelect(id, on)}
+        onSelect={onSelect}
         onPerfect={onPerfect}
         onGiveBack={onGiveBack}
-        onPreview={() => onPreview(id)}
-        opinion={renderOpinion(id)}
+        onPreview={onPreview}
+        renderOpinion={renderOpinion}
       />
     </div>
   );

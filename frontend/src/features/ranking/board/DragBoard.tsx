@@ -9,24 +9,31 @@ import {
   DragOverlay,
   KeyboardSensor,
   type KeyboardCoordinateGetter,
-  MeasuringStrategy,
   MouseSensor,
   pointerWithin,
   TouchSensor,
-  useDndContext,
   useDraggable,
   useDroppable,
   useSensor,
   useSensors,
 } from "@dnd-kit/core";
-import { type ReactNode, useEffect, useEffectEvent, useMemo, useRef, useState } from "react";
+import {
+  createContext,
+  type ReactNode,
+  useContext,
+  useEffect,
+  useEffectEvent,
+  useMemo,
+  useRef,
+  useState,
+} from "react";
 
 import styles from "./DragBoard.module.css";
 
 const MOUSE = { activationConstraint: { distance: 5 } };
 // A short delay, so that touch can still scroll the page.
 const TOUCH = { activationConstraint: { delay: 180, tolerance: 8 } };
-const MEASURING = { droppable: { strategy: MeasuringStrategy.Always } };
+const Dragged = createContext<number | null>(null);
 const instructions = () => ({
   draggable: t`Press space to pick it up, the up and down arrow keys to choose a place, space to drop it, Escape to cancel.`,
 });
@@ -115,7 +122,6 @@ export function DragBoard(props: DragBoardProps) {
     <DndContext
       sensors={sensors}
       collisionDetection={collision}
-      measuring={MEASURING}
       accessibility={{ announcements, screenReaderInstructions: instructions() }}
       onDragStart={({ active, activatorEvent }) => {
         setDragged(String(active.id));
@@ -131,7 +137,7 @@ export function DragBoard(props: DragBoardProps) {
         end();
       }}
     >
-      {children}
+      <Dragged value={dragged === null ? null : Number(dragged)}>{children}</Dragged>
       <DragOverlay dropAnimation={null}>
         {dragged !== null && <div className={styles.overlay}>{renderDragged(dragged)}</div>}
       </DragOverlay>
@@ -179,8 +185,7 @@ export function useDragItem(item: string, place: string) {
 
 /** Returns the item that is dragged, by its number; null while none is. */
 export function useDragged(): number | null {
-  const { active } = useDndContext();
-  return active ? Number(active.id) : null;
+  return useContext(Dragged);
 }
 
 /** Makes an element a drop place. */

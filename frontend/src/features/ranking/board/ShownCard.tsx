@@ -1,61 +1,129 @@
 import { useQuery } from "@tanstack/react-query";
-import { type ComponentProps, type RefObject, useEffect, useRef, useState } from "react";
+import {
+  type ComponentProps,
+  memo,
+  type ReactNode,
+  type RefObject,
+  useEffect,
+  useRef,
+  useState,
+} from "react";
 
 import { shownQuery } from "@/api/library";
 import type { Behaviour, Recording } from "@/api/types";
 import { Failed } from "@/components/feedback/States";
+import { isTied, tierOf, type Tiers } from "@/features/ranking/order/order";
 import { recordingName } from "@/lib/recordings";
 
 import { useDragged } from "./DragBoard";
-import { CardBody, RankCard } from "./RankCard";
+import { CardBody, type Move, RankCard } from "./RankCard";
 import styles from "./ShownCard.module.css";
 
-interface ShownCardProps extends Omit<
+interface ShownCardProps extends Pick<
   ComponentProps<typeof RankCard>,
-  "recording" | "onPerfect" | "onGiveBack"
+  "behaviour" | "place" | "ranked" | "previewed" | "unfolded" | "selected"
 > {
   recordingId: number;
+  tiers: Tiers;
   /** Whether it is laid out even out of sight. */
   pinned: boolean;
+  onPreview: (id: number) => void;
+  onMove: (id: number, move: Move) => void;
+  onSelect: (id: number, selected: boolean) => void;
   onPerfect: (recording: Recording) => void;
   onGiveBack: (recording: Recording) => void;
+  /** Shows what else there is to say of a recording. */
+  renderOpinion: (id: number) => ReactNode;
 }
 
-/** A card on the board, once the recording is there; far out of sight only its place is kept. */
-export function ShownCard(props: ShownCardProps) {
-  const { recordingId, pinned, onPerfect, onGiveBack, ...rest } = props;
+/**
+ * A card on the board; far out of sight only its place is kept. Memoized: a board has hundreds, of
+ * which a selection or a preview changes one.
+ */
+export const ShownCard = memo(function ShownCard({ pinned, ...card }: ShownCardProps) {
+  const { recordingId } = card;
   const place = useRef<HTMLDivElement>(null);
   const { near, height } = useNear(place);
   const [focused, setFocused] = useState(false);
   const dragged = useDragged();
   const isShown = near || pinned || focused || dragged === recordingId;
-  const { data, error, refetch } = useQuery({
-    ...shownQuery(rest.behaviour.id, recordingId),
-    enabled: isShown,
-  });
-  const name = recordingName({ id: recordingId });
   return (
     <div ref={place} onFocus={() => setFocused(true)} onBlur={() => setFocused(false)}>
-      {isShown && data ? (
-        <RankCard
-          {...rest}
-          recording={data}
-          onPerfect={() => onPerfect(data)}
-          onGiveBack={() => onGiveBack(data)}
-        />
+      {isShown ? (
+        <FetchedCard {...card} height={height} />
       ) : (
-        <div
-          role="group"
-          className={styles.missing}
-          aria-label={name}
-          aria-busy={isShown && !error}
-          style={{ minHeight: height }}
-        >
-          {isShown && error && <Failed what={name} error={error} onRetry={() => void refetch()} />}
-        </div>
+        <Missing recordingId={recordingId} height={height} />
       )}
     </div>
   );
+});
+
+/** A card, once the recording is there. */
+function FetchedCard(props: Omit<ShownCardProps, "pinned"> & { height: number | undefined }) {
+  const { recordingId, tiers, height, onPreview, onMove, onSelect } = props;
+  const { onPerfect, onGiveBack, renderOpinion, ...rest } = props;
+  const { data, error, refetch } = useQuery(shownQuery(rest.behaviour.id, recordingId));
+  if (!data) {
+    return (
+      <Missing recordingId={recordingId} height={height} busy={!error}>
+        {error && (
+          <Failed
+            what={recordingName({ id: recordingId })}
+            error={error}
+            onRetry={() => void refetch()}
+          />
+        )}
+      </Missing>
+    );
+  }
+  return (
+    <RankCard
+      {...rest}
+      recording={data}
+      possible={possibleMoves(tiers, recordingId)}
+      onPreview={() => onPreview(recordingId)}
+      onMove={(move) => onMove(recordingId, move)}
+      onSelect={(on) => onSelect(recordingId, on)}
+      opinion={renderOpinion(recordingId)}
+      onPerfect={() => onPerfect(data)}
+      onGiveBack={() => onGiveBack(data)}
+    />
+  );
+}
+
+interface MissingProps {
+  recordingId: number;
+  height: number | undefined;
+  busy?: boolean;
+  children?: ReactNode;
+}
+
+/** The place of a card that is not laid out. */
+function Missing({ recordingId, height, busy = false, children }: MissingProps) {
+  return (
+    <div
+      role="group"
+      className={styles.missing}
+      aria-label={recordingName({ id: recordingId })}
+      aria-busy={busy}
+      style={{ minHeight: height }}
+    >
+      {children}
+    </div>
+  );
+}
+
+/** Returns the moves that would change something for a recording. */
+function possibleMoves(tiers: Tiers, id: number): ReadonlySet<Move> {
+  const at = tierOf(tiers, id);
+  if (at < 0) return new Set<Move>(["up", "new"]);
+  const tied = isTied(tiers, id);
+  const moves: Move[] = ["tray"];
+  if (tied || at > 0) moves.push("up");
+  if (tied || at < tiers.length - 1) moves.push("down");
+  if (at > 0) moves.push("join");
+  if (tied) moves.push("new");
+  return new Set(moves);
 }
 
 /** A card as it is shown while dragged. */

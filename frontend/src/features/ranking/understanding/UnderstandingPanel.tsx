@@ -22,8 +22,8 @@ const SHOWN_FROM = 0.02;
 interface UnderstandingPanelProps {
   behaviourId: number;
   tiers: Tiers;
-  /** The best efforts, which the order is understood from, too. */
-  perfect: readonly number[];
+  /** The best efforts, which the order is understood from, too; null while they are not known. */
+  perfect: readonly number[] | null;
 }
 
 /** What Tril understood of the order, as statements that a person can agree with or reject. */

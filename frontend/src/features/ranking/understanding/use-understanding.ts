@@ -55,16 +55,19 @@ type Unanswered = Omit<StatementAnswer, "meant"> & { readonly meant: null };
 /**
  * Returns what Tril understands of the order shown, asked anew after each change.
  *
- * @param perfect The best efforts, which it is inferred from, too.
+ * @param perfect The best efforts, which it is inferred from, too; null while they are not known.
  */
 export function useUnderstanding(
   behaviourId: number,
   tiers: Tiers,
-  perfect: readonly number[],
+  perfect: readonly number[] | null,
 ): OrderUnderstanding {
   const client = useQueryClient();
   const toast = useToast();
-  const { data, error } = useQuery(understandingQuery(behaviourId, tiers, perfect));
+  const { data, error } = useQuery({
+    ...understandingQuery(behaviourId, tiers, perfect ?? []),
+    enabled: perfect !== null,
+  });
   const queryKey = useMemo(() => ["understanding", behaviourId], [behaviourId]);
   const { mutate, isPending } = useMutation({
     mutationFn: ({ subjects, sentence, meant }: StatementAnswer | Unanswered) =>

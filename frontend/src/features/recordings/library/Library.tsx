@@ -26,6 +26,8 @@ const GAP_PX = 16;
 interface LibraryProps {
   /** Without deleted ones. */
   recordings: readonly LibraryEntry[];
+  /** Whether these are all; else they are the newest. */
+  isWhole: boolean;
   behaviour: Behaviour;
   onWatch: (recording: Recording) => void;
   /** Without it there is no import, and no export of all. */
@@ -33,7 +35,7 @@ interface LibraryProps {
 }
 
 /** The grid of recordings, with filters kept in the address and a selection. */
-export function Library({ recordings, behaviour, onWatch, onImport }: LibraryProps) {
+export function Library({ recordings, isWhole, behaviour, onWatch, onImport }: LibraryProps) {
   const [search, setSearch] = useSearchParams();
   const filter = useMemo(() => readFilter(search), [search]);
   const setFilter = (next: Filter) => setSearch(writeFilter(next), { replace: true });
@@ -41,11 +43,13 @@ export function Library({ recordings, behaviour, onWatch, onImport }: LibraryPro
     () => recordings.filter((one) => whyUnrankable(one) !== null).length,
     [recordings],
   );
+  const nRankable = isWhole ? recordings.length - nOthers : behaviour.n_recordings;
+  const isOfNewest = !isNarrow(filter) && filter.order === EVERYTHING.order;
   return (
     <>
       <div className={styles.bar}>
         <h2>
-          {plural(recordings.length - nOthers, { one: "# recording", other: "# recordings" })}
+          {plural(nRankable, { one: "# recording", other: "# recordings" })}
           {nOthers > 0 && (
             <>
               {" "}
@@ -74,9 +78,12 @@ export function Library({ recordings, behaviour, onWatch, onImport }: LibraryPro
       />
       {filter.show === "deleted" ? (
         <Deleted behaviour={behaviour} filter={filter} onWatch={onWatch} onClear={setFilter} />
+      ) : !isWhole && !isOfNewest ? (
+        <Loading what={t`the recordings`} rows={2} height="18rem" />
       ) : (
         <Grid
           recordings={recordings}
+          isWhole={isWhole}
           behaviour={behaviour}
           filter={filter}
           onWatch={onWatch}
@@ -89,22 +96,23 @@ export function Library({ recordings, behaviour, onWatch, onImport }: LibraryPro
 
 interface GridProps {
   recordings: readonly LibraryEntry[];
+  isWhole: boolean;
   behaviour: Behaviour;
   filter: Filter;
   onWatch: (recording: Recording) => void;
   onClear: (filter: Filter) => void;
 }
 
-function Deleted(props: Omit<GridProps, "recordings">) {
+function Deleted(props: Omit<GridProps, "recordings" | "isWhole">) {
   const { data, error, refetch } = useQuery(libraryQuery(props.behaviour.id, { deleted: true }));
   if (error && !data) {
     return <Failed what={t`The recordings`} error={error} onRetry={() => void refetch()} />;
   }
   if (!data) return <Loading what={t`the deleted recordings`} rows={2} height="18rem" />;
-  return <Grid recordings={data.entries} {...props} />;
+  return <Grid recordings={data.entries} isWhole {...props} />;
 }
 
-function Grid({ recordings, behaviour, filter, onWatch, onClear }: GridProps) {
+function Grid({ recordings, isWhole, behaviour, filter, onWatch, onClear }: GridProps) {
   const [selection, setSelection] = useState(NOTHING);
   const shown = useMemo(() => filtered(recordings, filter), [recordings, filter]);
   const ids = useMemo(() => shown.map(({ id }) => id), [shown]);
@@ -130,6 +138,7 @@ function Grid({ recordings, behaviour, filter, onWatch, onClear }: GridProps) {
       <SelectionBar
         behaviour={behaviour}
         shown={shown}
+        isWhole={isWhole}
         selected={shown.filter(({ id }) => selected.has(id))}
         onSelect={(some) => setSelection({ ids: new Set(some), anchor: null })}
       />

@@ -19,11 +19,14 @@ import styles from "./SelectionBar.module.css";
 export function SelectionBar({
   behaviour,
   shown,
+  isWhole,
   selected,
   onSelect,
 }: {
   behaviour: Behaviour;
   shown: readonly LibraryEntry[];
+  /** Whether these are all that are shown. */
+  isWhole: boolean;
   selected: readonly LibraryEntry[];
   onSelect: (ids: readonly number[]) => void;
 }) {
@@ -46,9 +49,11 @@ export function SelectionBar({
       <span role="status" className={styles.count}>
         {any
           ? plural(selected.length, { one: "# recording selected", other: "# recordings selected" })
-          : t`${shown.length} shown`}
+          : isWhole
+            ? t`${shown.length} shown`
+            : t`Loading the others…`}
       </span>
-      {selected.length < shown.length && (
+      {isWhole && selected.length < shown.length && (
         <Button kind="quiet" onClick={() => onSelect(shown.map(({ id }) => id))}>
           <Trans>Select all shown</Trans>
         </Button>
