@@ -12,6 +12,8 @@ from testsupport.live import LiveServer, cookie
 
 DESKTOP = ViewportSize(width=1280, height=900)
 PATIENCE_MS = 30_000
+WITHOUT_INFERENCE = "503 (Service Unavailable)"
+"""What the browser says of the R of a finished run's games where no process knows it."""
 
 
 @contextmanager

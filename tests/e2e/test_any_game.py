@@ -75,10 +75,11 @@ def test_a_game_is_found_taught_played_kept_and_replayed(
 
 
 def test_a_game_of_many_items_fits_beside_its_picture(browser: Browser, built: LiveServer) -> None:
-    new = {"game": "breakout", "name": "Everything", "description": "Take every brick."}
+    corner = {"name": "Corner", "description": "Take the first brick.", "target": [[0, 0]]}
+    new = {"game": "breakout", **corner}
     made = built.http.post("/api/behaviours", json=new).raise_for_status().json()
     with signed_in(browser, built, f"/behaviours/{made['id']}/play", viewport=DESKTOP) as page:
-        grid = page.get_by_role("img", name=re.compile("bricks"))
+        grid = page.get_by_role("img", name=re.compile("of 1 target hit"))
         expect(grid).to_be_visible()
         box = grid.bounding_box()
         assert box is not None

@@ -47,9 +47,16 @@ def test_the_example_opens_at_once_and_everything_of_it_works(
         verdict = page.get_by_role("region", name="Verdict")
         expect(verdict).to_contain_text("of 6 targets")
         expect(page.get_by_text("It was trained elsewhere")).to_be_visible()
-        expect(page.get_by_role("region", name="Take it away")).to_be_visible()
-        expect(page.get_by_role("region", name="What the reward model looks at")).to_be_visible()
+        expect(page.get_by_role("region", name="What can be taken away?")).to_be_visible()
+        expect(page.get_by_role("region", name="What does the reward look at?")).to_be_visible()
         run_address = page.url
+        games = page.get_by_role("group", name="Games in step")
+        position = games.get_by_role("slider", name="Position in the recording")
+        curve = games.get_by_role("slider", name="Position on the curve of R")
+        expect(curve).to_be_visible(timeout=PATIENCE_MS)
+        expect(games.get_by_role("img", name=re.compile("^Game screen of"))).to_have_count(2)
+        position.press("End")
+        expect(curve).to_have_attribute("aria-valuenow", position.get_attribute("max") or "")
 
         page.get_by_role("link", name="Watch the imitator play").click()
         began = page.get_by_text(re.compile(r"^step [1-9]\d* of 300$"))

@@ -210,7 +210,8 @@ def _train(page: Page) -> None:
 
 
 def _look(page: Page) -> None:
-    expect(page.get_by_role("heading", name="Result", exact=True)).to_be_visible()
+    expect(page.get_by_role("group", name="Games in step")).to_be_visible()
+    page.get_by_text("What does the reward look at?").click()
     maps = page.get_by_role("img", name=re.compile("attention", re.IGNORECASE))
     expect(maps).to_have_count(4)
     for index in range(4):

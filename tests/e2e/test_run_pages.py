@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, Page, ViewportSize, expect
 
 from server.web.pages import FRONTEND
-from tests.e2e.pages import DESKTOP, signed_in
+from tests.e2e.pages import DESKTOP, WITHOUT_INFERENCE, signed_in
 from tests.server.api.test_runs import fill_with_results
 from testsupport.live import LiveServer, live_server
 from testsupport.workplace import Workplace
@@ -51,7 +52,7 @@ def pages_of(made: tuple[str, ...]) -> dict[str, str]:
         "/": "New behaviour",
         "/behaviours/1/runs": "New run",
         "/behaviours/1/train": "Train",
-        f"/runs/{made[0]}": "Download the curves (CSV)",
+        f"/runs/{made[0]}#curves": "Download the curves (CSV)",
         f"/runs/compare?{comparison}": "Download the curves (CSV)",
     }
 
@@ -61,7 +62,8 @@ def test_pages_fit_a_phone_and_a_finger(
     browser: Browser, built: LiveServer, compared: tuple[str, ...], width: int
 ) -> None:
     size = ViewportSize(width=width, height=640)
-    with signed_in(browser, built, "/", viewport=size, has_touch=True, is_mobile=True) as page:
+    touch: dict[str, Any] = {"viewport": size, "has_touch": True, "is_mobile": True}
+    with signed_in(browser, built, "/", WITHOUT_INFERENCE, **touch) as page:
         for path, control in pages_of(compared).items():
             page.goto(path)
             expect(page.get_by_text(control, exact=True).first).to_be_visible()

@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from server.web.pages import FRONTEND
-from tests.e2e.pages import DESKTOP, signed_in
+from tests.e2e.pages import DESKTOP, WITHOUT_INFERENCE, signed_in
 from testsupport.live import LiveServer, live_server
 from testsupport.workplace import Workplace
 from tril.games.behaviours import Score
@@ -55,7 +55,9 @@ def built(workplace: Workplace, run_id: str) -> Iterator[LiveServer]:
 @pytest.fixture
 def page(browser: Browser, built: LiveServer, run_id: str) -> Iterator[Page]:
     """Return the run's page; errors in its console fail the test."""
-    with signed_in(browser, built, f"/runs/{run_id}", viewport=DESKTOP) as page:
+    with signed_in(
+        browser, built, f"/runs/{run_id}#teach", WITHOUT_INFERENCE, viewport=DESKTOP
+    ) as page:
         yield page
 
 

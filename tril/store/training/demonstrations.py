@@ -11,16 +11,19 @@ from tril.store.recordings import cells_of
 
 
 def best_demonstration(session: Session, run: RunRow) -> RecordingRow | None:
-    """Return the demonstration that is worth most, and of several the one that is ranked highest.
+    """Return the demonstration that is worth most, and of several a best effort, ranked highest.
 
-    It need not be at the top, since the ranking may be wrong there. Without a target it is.
+    It need not be at the top, since the ranking may be wrong there. Without a target it is a best
+    effort, or else at the top.
 
     Returns:
         None if the run has none.
     """
     if run.snapshot is None:
         return None
-    ids = dict.fromkeys(run.snapshot.recordings)
+    perfect = set(run.snapshot.perfect)
+    # Sorting is stable: within both kinds the ranked ones stay first, from best to worst.
+    ids = sorted(dict.fromkeys(run.snapshot.recordings), key=lambda one: one not in perfect)
     rows = recordings.by_ids(session, ids)
     found_rows = [rows[recording_id] for recording_id in ids if recording_id in rows]
     behaviour = behaviours.as_behaviour(session.get_one(BehaviourRow, run.behaviour_id))

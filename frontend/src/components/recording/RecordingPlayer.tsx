@@ -1,14 +1,6 @@
 import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
-import {
-  type KeyboardEvent,
-  type ReactNode,
-  useEffect,
-  useMemo,
-  useRef,
-  useState,
-  useSyncExternalStore,
-} from "react";
+import { type ReactNode, useEffect, useMemo, useRef, useState, useSyncExternalStore } from "react";
 
 import type { Recording } from "@/api/types";
 import { OPACITY } from "@/components/attention/AttentionKey";
@@ -18,6 +10,8 @@ import { useAttention } from "@/components/attention/use-attention";
 import { mapLabel } from "@/components/attention/words";
 import { IconButton } from "@/components/controls/Button";
 import { GameCanvas } from "@/components/game/GameCanvas";
+import { playByKey } from "@/components/in-step/playback-keys";
+import { RewardCurve, type ShownReward } from "@/components/reward/RewardCurve";
 import { useGame } from "@/games/game";
 import { classes } from "@/lib/classes";
 import { seconds } from "@/lib/format";
@@ -25,11 +19,9 @@ import type { RecordedFrames } from "@/lib/game/codec";
 import { Playback } from "@/lib/game/playback";
 import type { ScreenPainter } from "@/lib/game/screen";
 import { useFittingScreenSize } from "@/lib/game/use-screen-size";
-import { ofSigns } from "@/lib/browser/keyboard";
 import { stepOf } from "@/lib/recordings";
 
 import styles from "./RecordingPlayer.module.css";
-import { RewardCurve, type ShownReward } from "./RewardCurve";
 import { Scrubber } from "./Scrubber";
 import { SpeedChoice } from "./SpeedChoice";
 
@@ -87,7 +79,7 @@ export function RecordingPlayer(props: RecordingPlayerProps) {
       tabIndex={-1}
       onKeyDown={(event) => {
         setKeyed(true);
-        onKey(event, playback, frames.last, game.frames_per_step);
+        playByKey(event, playback, frames.last, game.frames_per_step);
       }}
     >
       <div className={styles.stage} ref={stage}>
@@ -156,23 +148,4 @@ function Controls({ playback, last }: { playback: Playback; last: number }) {
       </p>
     </>
   );
-}
-
-function onKey(event: KeyboardEvent, playback: Playback, last: number, step: number): void {
-  if (event.ctrlKey || event.metaKey || event.altKey) return;
-  const target = event.target as HTMLElement;
-  if (target.tagName === "SELECT") return;
-  const leap = event.shiftKey ? step : 1;
-  const actions: Readonly<Record<string, () => void>> = {
-    ArrowLeft: () => playback.step(-leap),
-    ArrowRight: () => playback.step(leap),
-    Home: () => playback.seek(0),
-    End: () => playback.seek(last),
-    " ": () => playback.toggle(),
-  };
-  const action = ofSigns(actions, event);
-  // Space on a focused button activates the button.
-  if (!action || (event.key === " " && target.tagName === "BUTTON")) return;
-  event.preventDefault();
-  action();
 }

@@ -32,6 +32,7 @@ import { useRankingSaver } from "@/features/ranking/order/use-ranking";
 import { useUndoKeys } from "@/features/ranking/order/use-undo-keys";
 import { UnderstandingPanel } from "@/features/ranking/understanding/UnderstandingPanel";
 import { isReadByStatements } from "@/features/ranking/understanding/use-understanding";
+import { useMedia } from "@/lib/browser/use-media";
 import { classes } from "@/lib/classes";
 import { recordingName, whyUnrankable } from "@/lib/recordings";
 import { selectedBy } from "@/lib/selection";
@@ -43,7 +44,6 @@ import { Preview } from "./Preview";
 import styles from "./RankingDesk.module.css";
 import { SaveBar } from "./SaveBar";
 import { SelectionBar } from "./SelectionBar";
-import { useMedia } from "./use-media";
 import { VariedGames } from "./VariedGames";
 
 interface RankingDeskProps {

@@ -15,6 +15,7 @@ import { Comparison } from "@/features/results/games/Comparison";
 import { PolicyResults } from "@/features/results/games/PolicyResults";
 import { TeachMore } from "@/features/results/games/TeachMore";
 import { RunHead } from "@/features/results/head/RunHead";
+import { ResultView } from "@/features/results/result/ResultView";
 import { Extrapolation } from "@/features/results/reward/Extrapolation";
 import { RewardCheck } from "@/features/results/reward/RewardCheck";
 import { Alarms } from "@/features/results/run/Alarms";
@@ -25,16 +26,18 @@ import { RunNotices } from "@/features/results/run/RunNotices";
 import { Stages } from "@/features/results/run/Stages";
 import { TakeAway } from "@/features/results/run/TakeAway";
 import { VerdictView } from "@/features/results/run/VerdictView";
-import { WatchLinks } from "@/features/results/run/WatchLinks";
 import { isActive, runName } from "@/lib/runs";
 
 import styles from "./RunPage.module.css";
+import { Section } from "./Section";
 import type { Watched } from "./watched";
 
 /** A run: its progress while it is active, and its results. */
 export function RunPage({ run, behaviour }: { run: Run; behaviour: Behaviour }) {
   const { data: results, error, refetch } = useQuery(resultsQuery(run.id));
   const [watched, setWatched] = useState<Watched | null>(null);
+  const isDone = run.status === "done";
+  const result = results && <ResultView run={run} results={results} behaviour={behaviour} />;
   return (
     <div className={styles.stack}>
       <PageTitle>{t`${runName(run)} · ${behaviour.name} · Tril`}</PageTitle>
@@ -47,9 +50,12 @@ export function RunPage({ run, behaviour }: { run: Run; behaviour: Behaviour }) 
           canTeach={results.proposed.length > 0 || results.training_games !== null}
         />
       )}
+      {isDone ? result : null}
       <RunNotices run={run} />
       {isActive(run) && <NotifySwitch />}
-      {run.status !== "done" && <Stages run={run} />}
+      {!isDone && <Stages run={run} />}
+      {results && <Alarms results={results} />}
+      {isDone ? null : result}
       {results ? (
         <Sections run={run} results={results} behaviour={behaviour} onWatch={setWatched} />
       ) : error ? (
@@ -90,30 +96,22 @@ interface SectionsProps {
 
 interface SectionPlan {
   readonly id: string;
+  /** The question that it answers. */
   readonly title: string;
+  /** Whether it is unfolded at first. */
+  readonly open?: boolean;
   readonly body: ReactNode;
 }
 
 function Sections(props: SectionsProps) {
-  const plans = sectionsOf(props);
   return (
-    <>
-      <Alarms results={props.results} />
-      <WatchLinks results={props.results} />
-      <nav className={styles.sections} aria-label={t`On this page`}>
-        {plans.map(({ id, title }) => (
-          <a key={id} href={`#${id}`}>
-            {title}
-          </a>
-        ))}
-      </nav>
-      {plans.map(({ id, title, body }) => (
-        <section key={id} id={id} className={styles.section} aria-labelledby={`${id}-title`}>
-          <h2 id={`${id}-title`}>{title}</h2>
+    <div>
+      {sectionsOf(props).map(({ id, title, open = false, body }) => (
+        <Section key={id} id={id} title={title} open={open}>
           {body}
-        </section>
+        </Section>
       ))}
-    </>
+    </div>
   );
 }
 
@@ -121,7 +119,8 @@ function Sections(props: SectionsProps) {
 function sectionsOf({ run, results, behaviour, onWatch }: SectionsProps): readonly SectionPlan[] {
   const curves = {
     id: "curves",
-    title: t`Curves`,
+    title: t`How did it learn?`,
+    open: isActive(run),
     body: <Curves runId={run.id} active={isActive(run)} />,
   };
   const active = isActive(run);
@@ -129,24 +128,26 @@ function sectionsOf({ run, results, behaviour, onWatch }: SectionsProps): readon
     active ? curves : null,
     results.summaries.length > 0 && {
       id: "result",
-      title: t`Result`,
+      title: t`How well do imitator and clone play?`,
       body: <PolicyResults results={results} behaviour={behaviour} />,
     },
     results.comparison.length > 0 && {
       id: "games",
-      title: t`The same game, played by each`,
+      title: t`How did each game go?`,
       body: <Comparison results={results} behaviour={behaviour} onWatch={onWatch} />,
     },
     (active
       ? results.training_games !== null
       : results.artifacts.some(({ kind }) => kind === "imitator")) && {
       id: "teach",
-      title: active ? t`Teach it while it learns` : t`Teach it more`,
+      title: active ? t`What teaches it more while it learns?` : t`What teaches it more?`,
+      open: active,
       body: <TeachMore results={results} behaviour={behaviour} onWatch={onWatch} />,
     },
     results.check && {
       id: "check",
-      title: t`Reward and ranking`,
+      title: t`Does the reward agree with the ranking?`,
+      open: run.status === "stopped",
       body: (
         <>
           {run.recipe_values.method === "gail" && (
@@ -160,25 +161,30 @@ function sectionsOf({ run, results, behaviour, onWatch }: SectionsProps): readon
               </p>
             </Notice>
           )}
-          <RewardCheck check={results.check} behaviour={behaviour} onWatch={onWatch} />
+          <RewardCheck
+            check={results.check}
+            message={run.message}
+            behaviour={behaviour}
+            onWatch={onWatch}
+          />
         </>
       ),
     },
     results.judged.some((group) => !group.demonstrated) && {
       id: "extrapolation",
-      title: t`Reward and what games were worth`,
+      title: t`Does the reward agree with what games were worth?`,
       body: <Extrapolation judged={results.judged} />,
     },
     results.attention.length > 0 && {
       id: "attention",
-      title: t`What the reward model looks at`,
+      title: t`What does the reward look at?`,
       body: <Attention results={results} onWatch={onWatch} />,
     },
     active ? null : curves,
     run.status === "done"
       ? {
           id: "files",
-          title: t`Take it away`,
+          title: t`What can be taken away?`,
           body: (
             <>
               <TakeAway run={run} behaviour={behaviour} />
@@ -188,9 +194,9 @@ function sectionsOf({ run, results, behaviour, onWatch }: SectionsProps): readon
         }
       : results.artifacts.length > 0 && {
           id: "files",
-          title: t`Files`,
+          title: t`Which files are there?`,
           body: <Files artifacts={results.artifacts} />,
         },
-    { id: "parameters", title: t`Parameters`, body: <Parameters run={run} /> },
+    { id: "parameters", title: t`How was it set up?`, body: <Parameters run={run} /> },
   ].filter((plan) => plan !== null && plan !== false);
 }

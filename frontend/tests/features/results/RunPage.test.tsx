@@ -28,7 +28,13 @@ const SUMMARY: PolicySummary = {
   predicted_return: null,
 };
 
-function open(one: Run, change: Partial<RunResults> = {}, more: Parameters<typeof serve>[0] = {}) {
+/** Opens the page of a run, at a link into one of its sections. */
+function open(
+  one: Run,
+  change: Partial<RunResults> = {},
+  more: Parameters<typeof serve>[0] = {},
+  link = "",
+) {
   const asked = serve({
     [`GET /api/runs/${one.id}/results`]: () => results(one, change),
     [`GET /api/runs/${one.id}/metrics`]: () => ({
@@ -38,7 +44,7 @@ function open(one: Run, change: Partial<RunResults> = {}, more: Parameters<typeo
     "GET /api/system": () => system(true),
     ...more,
   });
-  show(<RunPage run={one} behaviour={behaviour()} />);
+  show(<RunPage run={one} behaviour={behaviour()} />, `/${link}`);
   return asked;
 }
 
@@ -83,7 +89,7 @@ describe("taking a run away", () => {
     const one = run({ status: "done" });
     let finish: (content: ArrayBuffer) => void = () => undefined;
     const made = new Promise<ArrayBuffer>((resolve) => (finish = resolve));
-    open(one, {}, { [`GET /api/runs/${one.id}/archive.zip`]: () => made });
+    open(one, {}, { [`GET /api/runs/${one.id}/archive.zip`]: () => made }, "#files");
     const saved: string[] = [];
     vi.spyOn(HTMLAnchorElement.prototype, "click").mockImplementation(function (
       this: HTMLAnchorElement,
@@ -91,7 +97,7 @@ describe("taking a run away", () => {
       saved.push(this.download);
     });
     URL.createObjectURL = () => "blob:1";
-    const section = within(await screen.findByRole("region", { name: "Take it away" }));
+    const section = within(await screen.findByRole("region", { name: "What can be taken away?" }));
     await userEvent.click(section.getByRole("button", { name: "Everything as a zip" }));
     expect(section.getByRole("button", { name: "Making the zip…" })).toBeDisabled();
     finish(new ArrayBuffer(8));
@@ -102,7 +108,7 @@ describe("taking a run away", () => {
   it("says why that failed", async () => {
     const one = run({ status: "done" });
     const refusal = new Refusal(503, { detail: "Several archives are being made already." });
-    open(one, {}, { [`GET /api/runs/${one.id}/archive.zip`]: () => refusal });
+    open(one, {}, { [`GET /api/runs/${one.id}/archive.zip`]: () => refusal }, "#files");
     await userEvent.click(await screen.findByRole("button", { name: "Everything as a zip" }));
     expect(await screen.findByText("Several archives are being made already.")).toBeVisible();
   });
@@ -110,7 +116,7 @@ describe("taking a run away", () => {
   it("is not offered before the run is done", async () => {
     open(run());
     await screen.findByRole("figure", { name: "Targets hit per game" });
-    expect(screen.queryByRole("region", { name: "Take it away" })).toBeNull();
+    expect(screen.queryByRole("region", { name: "What can be taken away?" })).toBeNull();
   });
 });
 
@@ -157,7 +163,7 @@ describe("a run whose return rises alone", () => {
     expect(said).toHaveTextContent("The reward may be hacked. It rose, but hits did not.");
     expect(within(said).getByRole("link", { name: "See the curves" })).toHaveAttribute(
       "href",
-      "#curves",
+      "/#curves",
     );
     expect(within(said).queryByRole("link", { name: /watch/ })).not.toBeInTheDocument();
   });
@@ -168,7 +174,7 @@ describe("a run whose return rises alone", () => {
     const said = await screen.findByRole("alert");
     expect(within(said).getByRole("link", { name: "watch the games" })).toHaveAttribute(
       "href",
-      "#games",
+      "/#games",
     );
   });
 });
@@ -188,7 +194,7 @@ describe("the curves of a run", () => {
     );
     const one = run({ status: "done" });
     const series = { imitator: { hits: [1, 2, 3, 4].map((step) => [step, step / 2]) } };
-    open(one, {}, { [`GET /api/runs/${one.id}/metrics`]: () => ({ last: 4, series }) });
+    open(one, {}, { [`GET /api/runs/${one.id}/metrics`]: () => ({ last: 4, series }) }, "#curves");
     const bar = within(await screen.findByRole("group", { name: /^Zoom: Imitator/ }));
     await userEvent.click(bar.getByRole("button", { name: "Zoom in" }));
     await userEvent.click(bar.getByRole("button", { name: "Show everything" }));
@@ -385,7 +391,7 @@ describe("the results", () => {
   };
 
   it("have intervals", async () => {
-    open(one, results);
+    open(one, results, {}, "#result");
     const table = within(await screen.findByRole("table", { name: "Imitator and clone" }));
     const row = table.getByRole("row", { name: /Targets hit, of 2/ });
     expect(row).toHaveTextContent("4.73.9 to 5.4–");
@@ -395,13 +401,18 @@ describe("the results", () => {
 
   it("are shown for every way of playing that was played", async () => {
     const sticky = { ...SUMMARY, targets: { mean: 3.1, low: 2.5, high: 3.7, n: 23 } };
-    open(one, {
-      ...results,
-      summaries: [
-        ...(results.summaries ?? []),
-        { policy: "imitator", action_selection: "sticky", summary: sticky },
-      ],
-    });
+    open(
+      one,
+      {
+        ...results,
+        summaries: [
+          ...(results.summaries ?? []),
+          { policy: "imitator", action_selection: "sticky", summary: sticky },
+        ],
+      },
+      {},
+      "#result",
+    );
     await userEvent.click(await screen.findByText("With sticky actions"));
     expect(screen.getByText(/repeated with a probability of 25%/)).toBeVisible();
     const table = within(
@@ -415,7 +426,7 @@ describe("the results", () => {
   });
 
   it("set the games of a start side by side, below the best demonstration", async () => {
-    open(one, results);
+    open(one, results, {}, "#games");
     const table = within(await screen.findByRole("table", { name: "Games from the first starts" }));
     expect(table.getByRole("button", { name: /^Watch imitator from start 0/ })).toBeVisible();
     expect(table.getByRole("button", { name: /^Watch clone from start 0/ })).toHaveTextContent(
@@ -428,7 +439,7 @@ describe("the results", () => {
   });
 
   it("show which aliens the reward wants, and which it is not sure of", async () => {
-    open(one, results);
+    open(one, results, {}, "#check");
     const wanted = within(await screen.findByRole("region", { name: "What the reward wants" }));
     const names = "row 1, column 1; row 1, column 3; row 2, column 3";
     const missed = "row 2, column 1";
@@ -464,21 +475,24 @@ describe("the results", () => {
 
   it("say nothing of wanted aliens where the reward was learned otherwise", async () => {
     const check = results.check && { ...results.check, wanted: null };
-    open(one, { ...results, check: check ?? null });
+    open(one, { ...results, check: check ?? null }, {}, "#check");
     await screen.findByRole("table", { name: "Predicted returns" });
     expect(screen.queryByRole("region", { name: "What the reward wants" })).toBeNull();
   });
 
   it("set predicted returns against tiers and mark what is out of order", async () => {
-    open(one, results);
+    open(one, results, {}, "#check");
     const table = within(await screen.findByRole("table", { name: "Predicted returns" }));
     const rows = table
       .getAllByRole("row")
       .slice(1)
       .map((row) => row.textContent);
     expect(rows).toEqual(["1Recording 12scripted5.00", "2Recording 11Ada7.00 (highest)"]);
-    expect(screen.getByText("0.92")).toBeVisible();
-    expect(screen.getByText("98.4%")).toBeVisible();
+    const check = within(
+      screen.getByRole("region", { name: "Does the reward agree with the ranking?" }),
+    );
+    expect(check.getByText("0.92")).toBeVisible();
+    expect(check.getByText("98.4%")).toBeVisible();
     expect(
       screen.getByText(/is never ranked above the worse tier 2 .*: 0 of 1 comparison in order/),
     ).toBeVisible();
@@ -490,16 +504,16 @@ describe("the results", () => {
     const warning = await screen.findByText(/It can’t tell 1 and 2 apart/);
     expect(within(warning).getByRole("link", { name: "See which recordings" })).toHaveAttribute(
       "href",
-      "#check",
+      "/#check",
     );
   });
 
   it("say whether the reward orders all recordings as they are ranked", async () => {
-    open(one, results);
+    open(one, results, {}, "#check");
     expect(await screen.findByText(/^The learned reward mostly orders/)).toBeVisible();
     cleanup();
     const check = results.check && { ...results.check, confused: [] };
-    open(one, { ...results, check: check ?? null });
+    open(one, { ...results, check: check ?? null }, {}, "#check");
     expect(
       await screen.findByText("The learned reward orders the recordings as they are ranked."),
     ).toBeVisible();
@@ -512,7 +526,7 @@ describe("the results", () => {
       final_level: levels[i] ?? 0,
     }));
     const check = results.check && { ...results.check, returns: returns ?? [] };
-    open(one, { ...results, check: check ?? null });
+    open(one, { ...results, check: check ?? null }, {}, "#check");
     const plot = await screen.findByRole("img", { name: "Final level by tier" });
     expect(plot).toHaveTextContent("Recording 12, tier 1: 0.91");
     const table = screen.getByRole("table", { name: "Predicted returns" });
@@ -529,22 +543,27 @@ describe("the results", () => {
       { true_quantity: 5, predicted: 0.8, recording_id: 22 },
     ];
     const measure = "final_level" as const;
-    open(one, {
-      ...results,
-      judged: [
-        {
-          player: "demonstrator",
-          demonstrated: true,
-          measure,
-          tau: 0.97,
-          games: [
-            { true_quantity: -13, predicted: -2.35, recording_id: 11 },
-            { true_quantity: 6, predicted: 1.02, recording_id: 12 },
-          ],
-        },
-        { player: "imitator", demonstrated: false, measure, tau: null, games: played },
-      ],
-    });
+    open(
+      one,
+      {
+        ...results,
+        judged: [
+          {
+            player: "demonstrator",
+            demonstrated: true,
+            measure,
+            tau: 0.97,
+            games: [
+              { true_quantity: -13, predicted: -2.35, recording_id: 11 },
+              { true_quantity: 6, predicted: 1.02, recording_id: 12 },
+            ],
+          },
+          { player: "imitator", demonstrated: false, measure, tau: null, games: played },
+        ],
+      },
+      {},
+      "#extrapolation",
+    );
     const plot = await screen.findByRole("img", { name: /Final level by targets hit/ });
     expect(plot).toHaveTextContent("Recording 22, worth 5: 0.80");
     const table = screen.getByRole("table", {
@@ -562,7 +581,7 @@ describe("the results", () => {
   });
 
   it("show attention in either colour map", async () => {
-    open(one, results);
+    open(one, results, {}, "#attention");
     const map = await screen.findByRole("img", { name: "Attention map at the maximum of R" });
     expect(map).toHaveAttribute("src", "/m.png");
     await userEvent.click(screen.getByRole("radio", { name: "Red-blue" }));
@@ -575,7 +594,7 @@ describe("the results", () => {
   });
 
   it("lead to the state at any percentile of R, and to those of the maps", async () => {
-    open(one, results, { "GET /api/recordings/12/frames": () => framesFile(8) });
+    open(one, results, { "GET /api/recordings/12/frames": () => framesFile(8) }, "#attention");
     const any = within(await screen.findByRole("region", { name: "Any percentile of R" }));
     const slider = any.getByRole("slider", { name: "Any percentile of R" });
     expect(slider).toHaveAttribute("aria-valuetext", "75th percentile, R 7.50");
@@ -596,7 +615,7 @@ describe("the results", () => {
   });
 
   it("can be downloaded", async () => {
-    open(one, results);
+    open(one, results, {}, "#files");
     const file = await screen.findByRole("link", { name: "imitator.zip" });
     expect(file).toHaveAttribute("href", "/api/artifacts/1");
     expect(screen.getByText("3.7 MB")).toBeVisible();
@@ -650,7 +669,7 @@ describe("teaching more", () => {
         return undefined;
       },
     });
-    return { asked, ...show(<RunPage run={of} behaviour={behaviour()} />) };
+    return { asked, ...show(<RunPage run={of} behaviour={behaviour()} />, "/#teach") };
   }
 
   const games = async () => within(await screen.findByRole("list", { name: "Games to rank" }));
@@ -687,6 +706,7 @@ describe("teaching more", () => {
     );
     const inRanking = { name: "In the ranking’s games: Recording 20. Give it back" };
     expect(await list.findByRole("button", inRanking)).toHaveAttribute("aria-pressed", "true");
+    await userEvent.click(screen.getByRole("heading", { name: "How did each game go?" }));
     const table = within(screen.getByRole("table", { name: "Games from the first starts" }));
     await userEvent.click(table.getByRole("button", inRanking));
     expect(
@@ -730,15 +750,19 @@ describe("teaching more", () => {
 
   it("needs an imitator, and a run that is over", async () => {
     openTaught({ artifacts: [] });
-    expect(await screen.findByRole("heading", { name: "Parameters" })).toBeVisible();
-    expect(screen.queryByRole("heading", { name: "Teach it more" })).not.toBeInTheDocument();
+    expect(await screen.findByRole("heading", { name: "How was it set up?" })).toBeVisible();
+    expect(
+      screen.queryByRole("heading", { name: "What teaches it more?" }),
+    ).not.toBeInTheDocument();
   });
 
   it("proposes games of a training that still goes on, and to go on with the new order", async () => {
     const learning = run({ ...one, status: "running", steps: 300_000 });
     const training_games = { steps: 100_000, games: [good, bad] };
     openTaught({ proposed: [], games: [], comparison: [], training_games }, false, learning);
-    expect(await screen.findByRole("heading", { name: "Teach it while it learns" })).toBeVisible();
+    expect(
+      await screen.findByRole("heading", { name: "What teaches it more while it learns?" }),
+    ).toBeVisible();
     const shown = (await games()).getAllByRole("listitem").map((item) => item.textContent);
     expect(shown[1]).toContain("after 100,000 steps");
     expect(screen.getByRole("link", { name: "Go on with the new order" })).toHaveAttribute(
@@ -754,7 +778,7 @@ describe("teaching more", () => {
       "href",
       "/runs/abcdef00-0000-4000-8000-000000000000",
     );
-    expect(await screen.findByRole("heading", { name: "Teach it more" })).toBeVisible();
+    expect(await screen.findByRole("heading", { name: "What teaches it more?" })).toBeVisible();
   });
 });
 

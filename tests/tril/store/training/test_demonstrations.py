@@ -41,12 +41,21 @@ def test_it_is_worth_most_wherever_it_is_ranked(
     assert best(workplace, workplace.make_run()) == workplace.ranked[place]
 
 
-def test_without_a_target_it_is_at_the_top(workplace: Workplace) -> None:
+@pytest.mark.parametrize(
+    ("perfect", "place"), [([], 0), ([3, 2], 2)], ids=["no best effort", "best efforts"]
+)
+def test_without_a_target_it_is_a_best_effort_or_at_the_top(
+    workplace: Workplace, perfect: list[int], place: int
+) -> None:
     run_id = workplace.make_run()
     with workplace.database.writing() as session:
         session.get_one(BehaviourRow, workplace.behaviour_id).target = None
+        run = session.get_one(RunRow, run_id)
+        assert run.snapshot is not None
+        marked = [workplace.ranked[one] for one in perfect]
+        run.snapshot = run.snapshot.model_copy(update={"perfect": marked})
     hit(workplace, workplace.ranked[1], COLUMN_1)
-    assert best(workplace, run_id) == workplace.ranked[0]
+    assert best(workplace, run_id) == workplace.ranked[place]
 
 
 def test_aliens_out_of_order_count_as_strays(workplace: Workplace) -> None:

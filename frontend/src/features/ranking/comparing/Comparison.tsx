@@ -6,15 +6,15 @@ import { useEffect, useRef } from "react";
 import { framesQuery } from "@/api/recordings";
 import type { Behaviour, Recording } from "@/api/types";
 import { Button } from "@/components/controls/Button";
-import { useMedia } from "@/features/ranking/use-media";
+import { Transport } from "@/components/in-step/Transport";
+import { usePlaybackInStep } from "@/components/in-step/use-playback-in-step";
+import { useMedia } from "@/lib/browser/use-media";
 
 import { type Act, useCompareKeys } from "./compare-keys";
 import styles from "./Comparison.module.css";
 import type { Question } from "./session";
 import { Side } from "./Side";
-import { Transport } from "./Transport";
 import type { Comparing } from "./use-comparing";
-import { usePlaybackInStep } from "./use-playback-in-step";
 
 interface ComparisonProps {
   comparing: Comparing;
@@ -30,6 +30,8 @@ interface ComparisonProps {
   nGames: number;
 }
 
+/** Fast, since most pairs are told apart by where they end. */
+const FIRST_SPEED = 2;
 /** Where the games don't fit side by side. */
 const NARROW = "(max-width: 46rem)";
 /** The part of the window's height that the rest of the dialog needs. */
@@ -43,7 +45,7 @@ export function Comparison(props: ComparisonProps) {
   const { comparing, question, game, opponent, upcoming, behaviour, nTiers, nGames } = props;
   const root = useRef<HTMLDivElement>(null);
   const stacked = useMedia(NARROW);
-  const { playback, last, screens, setSpeed } = usePlaybackInStep(game, opponent);
+  const { playback, last, screens, setSpeed } = usePlaybackInStep([game, opponent], FIRST_SPEED);
   useLoaded(upcoming, playback !== null);
 
   // The keys answer, not the first button.

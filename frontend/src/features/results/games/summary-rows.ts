@@ -6,6 +6,7 @@ import type { Interval, PolicySummary } from "@/api/types";
 import { fixed, measured, percent } from "@/lib/format";
 
 interface SummaryRow {
+  readonly key: keyof PolicySummary;
   readonly name: string;
   readonly imitator: Interval | null;
   readonly clone: Interval | null;
@@ -56,7 +57,7 @@ export function summaryRows(
   return plans(nTargets, ordered, maxSteps)
     .map(({ key, name, write, high }) => {
       const both = { imitator: imitator?.[key] ?? null, clone: clone?.[key] ?? null };
-      return { name, write, ...both, ...axisOf([both.imitator, both.clone], high) };
+      return { key, name, write, ...both, ...axisOf([both.imitator, both.clone], high) };
     })
     .filter((row) => row.imitator !== null || row.clone !== null);
 }

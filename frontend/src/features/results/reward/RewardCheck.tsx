@@ -14,25 +14,24 @@ import { recordingName } from "@/lib/recordings";
 import { judgedBy, type Measure, measureOf, type RankedReturn } from "./measure";
 import styles from "./reward.module.css";
 import { RewardByTier } from "./RewardByTier";
-import { Statements } from "./Statements";
 
 interface RewardCheckProps {
   check: RankingCheck;
+  /** The run's message, which stands above. */
+  message: string;
   behaviour: Behaviour;
   onWatch: (watched: Watched) => void;
 }
 
 /** How well the learned reward agrees with the ranking. */
-export function RewardCheck({ check, behaviour, onWatch }: RewardCheckProps) {
+export function RewardCheck({ check, message, behaviour, onWatch }: RewardCheckProps) {
+  const verdict = verdictOf(check);
   const Wanted = viewOf(behaviour.game)?.Wanted;
   const measure = measureOf(check.returns);
   return (
     <>
       <Numbers check={check} />
-      <p className={styles.verdict}>{verdictOf(check)}</p>
-      {check.statements.length > 0 && (
-        <Statements statements={check.statements} answers={check.answers} />
-      )}
+      {verdict !== message && <p className={styles.verdict}>{verdict}</p>}
       {check.wanted && Wanted && (
         <Wanted
           title={t`What the reward wants`}
@@ -174,7 +173,12 @@ function names(ids: readonly number[]): string {
   return ids.map((id) => recordingName({ id })).join(", ");
 }
 
-function Returns({ check, behaviour, measure, onWatch }: RewardCheckProps & { measure: Measure }) {
+function Returns({
+  check,
+  behaviour,
+  measure,
+  onWatch,
+}: Omit<RewardCheckProps, "message"> & { measure: Measure }) {
   const game = useGame();
   const hasLevels = measure === "final_level";
   const judged = (one: RankedReturn) => judgedBy(measure, one);

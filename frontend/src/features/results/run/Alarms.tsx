@@ -1,4 +1,5 @@
 import { Trans } from "@lingui/react/macro";
+import { Link } from "react-router";
 
 import type { RunResults } from "@/api/types";
 import { Notice } from "@/components/feedback/States";
@@ -15,14 +16,14 @@ export function Alarms({ results }: { results: RunResults }) {
               <Trans>The reward may be hacked.</Trans>
             </strong>{" "}
             {alarm.message}{" "}
-            <a href="#curves">
+            <Link to="#curves">
               <Trans>See the curves</Trans>
-            </a>
+            </Link>
             {comparison.length > 0 && (
               <>
                 {" "}
                 <Trans>
-                  or <a href="#games">watch the games</a>
+                  or <Link to="#games">watch the games</Link>
                 </Trans>
               </>
             )}
@@ -34,9 +35,9 @@ export function Alarms({ results }: { results: RunResults }) {
         <Notice live>
           <p>
             {check.warning}{" "}
-            <a href="#check">
+            <Link to="#check">
               <Trans>See which recordings</Trans>
-            </a>
+            </Link>
             .
           </p>
         </Notice>

@@ -11,9 +11,9 @@ import styles from "./Statements.module.css";
 export function Statements({ statements, answers }: Pick<RankingCheck, "statements" | "answers">) {
   return (
     <section className={styles.statements} aria-labelledby="statements-title">
-      <h4 id="statements-title">
+      <h3 id="statements-title">
         <Trans>What Tril understood: better games have</Trans>
-      </h4>
+      </h3>
       <ol>
         {statements.map(({ sentence, probability }) => (
           <li key={sentence}>

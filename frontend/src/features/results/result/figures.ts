@@ -1,0 +1,95 @@
+/** The few figures that a result opens with. */
+import { t } from "@lingui/core/macro";
+
+import type { Behaviour, Interval, RunResults, TaughtGame } from "@/api/types";
+import { summaryRows } from "@/features/results/games/summary-rows";
+import { meanValue, measureSentence } from "@/games/measures";
+import type { Actor } from "@/lib/actors";
+import { fixed } from "@/lib/format";
+
+const MOST = 5;
+
+interface Value {
+  readonly actor: Actor;
+  readonly text: string;
+  /** Where it is known, for the picture. */
+  readonly interval: Interval | null;
+}
+
+export interface Figure {
+  readonly name: string;
+  /** The imitator's, or that of the reward. */
+  readonly value: string;
+  /** Those of others, to compare with. */
+  readonly others: readonly Value[];
+  /** The imitator's interval and the bounds of the axis; null without a picture. */
+  readonly plot: {
+    readonly interval: Interval;
+    readonly low: number;
+    readonly high: number;
+  } | null;
+}
+
+/** Returns at most five figures of a run's imitator, what the behaviour asks for first. */
+export function figuresOf(
+  results: RunResults,
+  behaviour: Behaviour,
+  game: TaughtGame,
+): readonly Figure[] {
+  const summary = summaryFigures(results, behaviour, game);
+  const measures = measureFigures(results, game);
+  const asked = behaviour.target ? [...summary, ...measures] : [...measures, ...summary];
+  return [...asked, ...agreement(results)].slice(0, MOST);
+}
+
+function summaryFigures(
+  { summaries }: RunResults,
+  { target, ordered }: Behaviour,
+  { max_steps: maxSteps }: TaughtGame,
+): Figure[] {
+  const of = (name: "imitator" | "clone") =>
+    summaries.find((one) => one.policy === name && one.action_selection === "greedy")?.summary ??
+    null;
+  return summaryRows(of("imitator"), of("clone"), target?.length ?? null, ordered, maxSteps)
+    .filter(({ key }) => key !== "predicted_return")
+    .flatMap(({ name, imitator, clone, write, low, high }) =>
+      imitator
+        ? [
+            {
+              name,
+              value: write(imitator.mean),
+              others: clone
+                ? [{ actor: "clone" as const, text: write(clone.mean), interval: clone }]
+                : [],
+              plot: { interval: imitator, low, high },
+            },
+          ]
+        : [],
+    );
+}
+
+function measureFigures({ measures }: RunResults, game: TaughtGame): Figure[] {
+  return measures.flatMap(({ measure, imitator, clone, person }) =>
+    imitator
+      ? [
+          {
+            name: measureSentence(measure, game),
+            value: meanValue(imitator.mean, measure),
+            others: [
+              { actor: "clone" as const, mean: clone },
+              { actor: "person" as const, mean: person },
+            ].flatMap(({ actor, mean }) =>
+              mean ? [{ actor, text: meanValue(mean.mean, measure), interval: null }] : [],
+            ),
+            plot: null,
+          },
+        ]
+      : [],
+  );
+}
+
+function agreement({ check }: RunResults): Figure[] {
+  if (!check) return [];
+  const name = t`Agreement of R with the ranking, 1 at most`;
+  return [{ name, value: fixed(check.tau, 2), others: [], plot: null }];
+}

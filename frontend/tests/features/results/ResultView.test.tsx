@@ -1,0 +1,217 @@
+import { act, fireEvent, screen, waitFor, within } from "@testing-library/react";
+import userEvent from "@testing-library/user-event";
+import { describe, expect, it, vi } from "vitest";
+
+import type { Behaviour, PolicySummary, RunResults } from "@/api/types";
+import { figuresOf } from "@/features/results/result/figures";
+import { ResultView } from "@/features/results/result/ResultView";
+import { shownGames } from "@/features/results/result/shown-games";
+
+import { behaviour, game, recording, results, run } from "../../support/data";
+import { framesFile } from "../../support/frames";
+import { SPACE_INVADERS } from "../../support/games";
+import { show } from "../../support/page";
+import { Refusal, serve } from "../../support/server";
+
+const ONE = run({ status: "done" });
+const BEST = recording({ id: 12, n_frames: 16, start: { idle_frames: 70 } });
+const NEAR = game({
+  start_number: 7,
+  recording: recording({ id: 20, source: "policy", run_id: ONE.id, start: { idle_frames: 68 } }),
+});
+const FAR = game({
+  recording: recording({ id: 21, source: "policy", run_id: ONE.id, start: { idle_frames: 10 } }),
+});
+const GAMES: Partial<RunResults> = { games: [FAR, NEAR], best_demonstration: BEST };
+const SUMMARY: PolicySummary = {
+  targets: { mean: 4.7, low: 3.9, high: 5.4, n: 23 },
+  strays: { mean: 0.2, low: 0, high: 0.5, n: 23 },
+  order_errors: null,
+  steps: { mean: 288, low: 270, high: 300, n: 23 },
+  death_rate: { mean: 0.13, low: 0, high: 0.3, n: 23 },
+  predicted_return: { mean: 3, low: 1, high: 4, n: 23 },
+};
+const CHECK: NonNullable<RunResults["check"]> = {
+  tau: 0.92,
+  pair_accuracy: 0.98,
+  held_out_accuracy: null,
+  passed: true,
+  advice: "",
+  warning: "",
+  wanted: null,
+  statements: [{ sentence: "what you steer further to the left", probability: 0.83 }],
+  answers: [],
+  confused: [],
+  returns: [],
+};
+
+/** R rises from 0 to `end` over the steps of a game. */
+function trace(id: number, nSteps: number, end: number) {
+  const levels = Array.from({ length: nSteps + 1 }, (_, step) => (end * step) / nSteps);
+  return {
+    run_id: ONE.id,
+    recording_id: id,
+    rewards: levels,
+    levels,
+    reward_deviations: null,
+    level_deviations: null,
+  };
+}
+
+function open(change: Partial<RunResults> = {}, of: Behaviour = behaviour(), more = {}) {
+  const asked = serve({
+    "GET /api/recordings/12/frames": () => framesFile(16),
+    "GET /api/recordings/20/frames": () => framesFile(24),
+    [`GET /api/runs/${ONE.id}/reward/12`]: () => trace(12, 4, 1),
+    [`GET /api/runs/${ONE.id}/reward/20`]: () => trace(20, 6, 0.6),
+    ...more,
+  });
+  show(<ResultView run={ONE} results={results(ONE, { ...GAMES, ...change })} behaviour={of} />);
+  return asked;
+}
+
+/** Lets the system ask for less motion. */
+function calm() {
+  const list = (query: string) =>
+    Object.assign(new EventTarget(), { matches: query.includes("reduce"), media: query });
+  vi.stubGlobal("matchMedia", list);
+}
+
+describe("the games of a result", () => {
+  it("are the imitator's from the nearest start and the best demonstration", () => {
+    const shown = (change: Partial<RunResults>) => shownGames(results(ONE, change));
+    expect(shown(GAMES)).toEqual({ imitator: NEAR, best: BEST });
+    const seen = { ...NEAR, held_out: false };
+    expect(shown({ ...GAMES, games: [FAR, seen] })?.imitator).toBe(FAR);
+    expect(shown({ ...GAMES, games: [seen] })?.imitator).toBe(seen);
+    expect(shown({ games: [FAR, NEAR] })).toEqual({ imitator: FAR, best: null });
+    const others = [{ ...NEAR, policy: "clone" as const }];
+    expect(shown({ games: [...others, { ...NEAR, action_selection: "sticky" }] })).toBeNull();
+  });
+
+  it("play at once and in step, with R of both under them", async () => {
+    open();
+    const position = await screen.findByRole<HTMLInputElement>("slider", {
+      name: "Position in the recording",
+    });
+    // It ends by itself, where the longer game does.
+    await waitFor(() => expect(position.valueAsNumber).toBe(24));
+    for (const name of ["imitator", "person, best game"]) {
+      expect(screen.getByRole("img", { name: `Game screen of ${name}` })).toBeVisible();
+    }
+    const curve = await screen.findByRole("slider", { name: "Position on the curve of R" });
+    fireEvent.change(position, { target: { value: "12" } });
+    expect(curve).toHaveAttribute(
+      "aria-valuetext",
+      "step 3, Imitator 0.30, Person, best game 0.75",
+    );
+    // The shorter game stays as it ended.
+    fireEvent.change(position, { target: { value: "24" } });
+    expect(curve).toHaveAttribute(
+      "aria-valuetext",
+      "step 6, Imitator 0.60, Person, best game 1.00",
+    );
+  });
+
+  it("wait at their ends where the system asks for less motion, and move by keys", async () => {
+    calm();
+    open();
+    expect(await screen.findByRole("button", { name: "Play" })).toBeVisible();
+    const position = screen.getByRole<HTMLInputElement>("slider", {
+      name: "Position in the recording",
+    });
+    expect(position.valueAsNumber).toBe(24);
+    act(() => position.focus());
+    await userEvent.keyboard("{Shift>}{ArrowLeft}{/Shift}");
+    expect(position.valueAsNumber).toBe(20);
+    await userEvent.keyboard("{Home}");
+    expect(position.valueAsNumber).toBe(0);
+  });
+
+  it("play without R where no network answers, and say why", async () => {
+    const away = () => new Refusal(503, { detail: "The inference process is not running." });
+    open({}, behaviour(), { [`GET /api/runs/${ONE.id}/reward/20`]: away });
+    expect(
+      await screen.findByText(/^R over time can’t be shown: The inference process/),
+    ).toBeVisible();
+    expect(screen.getByRole("img", { name: "Game screen of imitator" })).toBeVisible();
+  });
+
+  it("are the imitator's alone where there is no demonstration", async () => {
+    open({ games: [NEAR], best_demonstration: null });
+    expect(await screen.findByRole("img", { name: "Game screen of imitator" })).toBeVisible();
+    expect(screen.queryByRole("img", { name: /best game/ })).toBeNull();
+  });
+
+  it("are asked for only once the imitator has played", async () => {
+    const asked = open({ games: [], check: CHECK });
+    expect(await screen.findByText(/Is this what you meant/)).toBeVisible();
+    expect(asked.filter(({ path }) => path.endsWith("frames"))).toEqual([]);
+  });
+});
+
+describe("what a result says", () => {
+  it("is what was understood, and asks whether it was meant", async () => {
+    open({ check: CHECK });
+    const told = within(await screen.findByRole("region", { name: /^What Tril understood/ }));
+    expect(told.getByRole("listitem")).toHaveTextContent("what you steer further to the left83%");
+    expect(screen.getByRole("link", { name: "Say so under Rank" })).toHaveAttribute(
+      "href",
+      "/behaviours/1/rank",
+    );
+  });
+
+  it("asks nothing where the reward is no statement", async () => {
+    open({ check: { ...CHECK, statements: [] } });
+    await screen.findByRole("group", { name: "Games in step" });
+    expect(screen.queryByText(/Is this what you meant/)).toBeNull();
+  });
+
+  it("has at most five figures, each beside the clone's", async () => {
+    const summary = { ...SUMMARY, perfect: { mean: 0.4, low: 0.2, high: 0.6, n: 23 } };
+    open({
+      check: CHECK,
+      summaries: [
+        { policy: "imitator", action_selection: "greedy", summary },
+        {
+          policy: "clone",
+          action_selection: "greedy",
+          summary: { ...SUMMARY, targets: { mean: 2.3, low: 2, high: 3, n: 23 } },
+        },
+      ],
+    });
+    await waitFor(() => expect(screen.getAllByRole("term")).toHaveLength(5));
+    const [first] = screen.getAllByRole("term");
+    expect(first?.parentElement).toHaveTextContent("Targets hit, of 24.7Clone 2.3");
+  });
+
+  it("has the behaviour's measures first where there is no target", () => {
+    const free = behaviour({ target: null, measures: [{ kind: "score", at_least: 10 }] });
+    const mean = { mean: 12, n: 20, n_met: 18 };
+    const summary = { ...SUMMARY, targets: null, strays: null };
+    const figures = figuresOf(
+      results(ONE, {
+        check: CHECK,
+        measures: [
+          {
+            measure: { kind: "score", at_least: 10 },
+            unit: "points",
+            imitator: mean,
+            clone: null,
+            person: { ...mean, mean: 15 },
+          },
+        ],
+        summaries: [{ policy: "imitator", action_selection: "greedy", summary }],
+      }),
+      free,
+      SPACE_INVADERS,
+    );
+    expect(figures.map(({ name, value }) => `${name} ${value}`)).toEqual([
+      "Score: at least 10 12.0",
+      "Game length, of 300 steps 288.0",
+      "Death rate 13%",
+      "Agreement of R with the ranking, 1 at most 0.92",
+    ]);
+    expect(figures[0]?.others).toEqual([{ actor: "person", text: "15.0", interval: null }]);
+  });
+});
