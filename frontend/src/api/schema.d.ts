@@ -640,7 +640,7 @@ export interface paths {
         };
         /**
          * Stream Events
-         * @description Stream changes from now on, until who listens is signed out or may do something else.
+         * @description Stream changes until the listener is signed out or has other rights.
          */
         get: operations["stream_events"];
         put?: never;
@@ -3211,8 +3211,8 @@ export interface components {
          * @description What a person said of a statement that Tril made about a ranking.
          *
          *     Attributes:
-         *         subjects: What the statement is about, in order, see tril.vocabulary.answers.
-         *         sentence: What they read.
+         *         subjects: Subjects of the statement, in order, see tril.vocabulary.answers.
+         *         sentence: Sentence shown to the person.
          *         meant: Whether it is what they mean; else it is not.
          */
         StatementAnswer: {
@@ -3376,7 +3376,7 @@ export interface components {
          *
          *     Attributes:
          *         sentence: E.g. "what you steer further to the left".
-         *         probability: Of it, 0 to 1.
+         *         probability: Probability of the statement, 0 to 1.
          */
         ToldStatement: {
             /** Probability */
@@ -3399,7 +3399,8 @@ export interface components {
          * @description What Tril understands of an order.
          *
          *     ``progress`` is the share of what is done while it is learning to see the game or watching the
-         *     ranked ones. ``is_sense`` is false of an order that chance explains better. ``values`` are those
+         *     ranked ones. ``is_sense`` is false of an order that is
+         *     explained no better than shuffled ones. ``values`` are those
          *     of the games by recording id, in log odds.
          */
         Understanding: {
