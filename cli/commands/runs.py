@@ -31,6 +31,9 @@ from tril.teaching.new_run import create_run
 
 app = typer.Typer(help="Training runs.", no_args_is_help=True)
 
+ID_LENGTH = 36
+"""Of a run's id, a UUID."""
+
 StepsOption = Annotated[
     int | None,
     typer.Option(min=1, max=100_000_000, help="Steps. Default: what the recipe proposes."),
@@ -157,7 +160,11 @@ def list_runs(
     if as_json:
         print_json(entries)
         return
-    table = Table("run", "name", "recipe", "status", "stage", "message", box=None)
+    table = Table(box=None)
+    # Whole, so that other commands take it.
+    table.add_column("run", no_wrap=True, min_width=ID_LENGTH)
+    for title in ("name", "recipe", "status", "stage", "message"):
+        table.add_column(title)
     for title in ("steps", "training seed", "done"):
         table.add_column(title, justify="right")
     for entry in entries:

@@ -84,6 +84,7 @@ def test_a_training_continues_from_a_run_that_has_an_imitator(workplace: Workpla
     assert f"Continues run {parent}." in _run("runs", "show", child)
     listed = json.loads(_run("runs", "list", "--json"))
     assert {one["id"]: one["parent_run_id"] for one in listed} == {child: parent, parent: None}
+    assert {line.split()[0] for line in _run("runs", "list").splitlines()} >= {child, parent}
     assert "no such training" in _run(*command, "missing", status=1)
 
 

@@ -34,7 +34,7 @@ export function HomePage() {
   const runs = useQuery({ ...runsQuery(), enabled: onlyPlays === false });
   const { data: games } = useQuery(catalogueQuery);
   const [making, setMaking] = useState(false);
-  const [shown, more] = useFirst(behaviours.data ?? [], CARDS);
+  const [shown, more] = useFirst(ownFirst(behaviours.data ?? []), CARDS);
 
   if (behaviours.error && !behaviours.data) {
     return (
@@ -89,6 +89,11 @@ export function HomePage() {
       {making && <NewBehaviourDialog onClose={() => setMaking(false)} />}
     </>
   );
+}
+
+/** Returns behaviours with those that people have made first, which they come back for. */
+function ownFirst(behaviours: readonly Behaviour[]): readonly Behaviour[] {
+  return behaviours.toSorted((a, b) => Number(a.built_in) - Number(b.built_in));
 }
 
 /** Whether nobody has played or trained a behaviour, apart from an example's scripted player. */

@@ -53,6 +53,23 @@ describe("the first page", () => {
     });
   });
 
+  it("lists the behaviours that people made before those that ship with Tril", async () => {
+    const list = [
+      behaviour(),
+      behaviour({ id: 2, slug: "row-1", name: "Row 1" }),
+      behaviour({ id: 3, slug: "left", name: "Stay on the left", built_in: false }),
+    ];
+    serve({ "GET /api/behaviours": () => list, "GET /api/runs": () => [], ...OWNER });
+    show(<HomePage />);
+    await screen.findByRole("link", { name: "Stay on the left" });
+    const names = screen.getAllByRole("article").map((card) => within(card).getByRole("heading"));
+    expect(names.map(({ textContent }) => textContent)).toEqual([
+      "Stay on the left",
+      "Column 1",
+      "Row 1",
+    ]);
+  });
+
   it("opens the finished example that ships with Tril, if one does", async () => {
     const asked = serve({
       "GET /api/behaviours": () => [behaviour()],

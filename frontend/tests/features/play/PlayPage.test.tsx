@@ -624,10 +624,10 @@ describe("after the end", () => {
     expect(asked.find(({ path }) => path === "/api/games/from/7")?.body).toEqual({ frame: 438 });
   });
 
-  it("hears no press in the first moment", async () => {
+  it("hears neither fire nor steering in the first moment", async () => {
     const asked = await start();
     tell(ENDED);
-    await userEvent.keyboard("x ");
+    await userEvent.keyboard(" {ArrowLeft}");
     expect(asked.filter(({ method }) => method === "POST")).toHaveLength(1);
   });
 });

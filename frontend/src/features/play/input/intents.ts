@@ -24,7 +24,7 @@ export type Intent =
   | "sound"
   | "fullscreen";
 
-/** Time after the end of a game in which presses are taken as meant for the game. */
+/** Time after the end of a game in which firing and steering are taken as meant for the game. */
 export const GRACE_MS = 700;
 
 /** Measures the time since a game ended; firing or steering on in the grace begins it anew. */
@@ -131,10 +131,12 @@ function intentIn(
     case "stepping":
       // The fire key fires here, unlike in a pause.
       return control ? controlIntent(control, "go_on") : of(PAUSED);
-    case "ended":
-      if (sinceEndMs < GRACE_MS) return null;
+    case "ended": {
       // A key that still steers out of habit does nothing else.
-      return control ? (AFTER_END_BY_CONTROL[control] ?? null) : of(AFTER_END);
+      const intent = control ? (AFTER_END_BY_CONTROL[control] ?? null) : of(AFTER_END);
+      // Firing on begins no new game; rewinding and deciding wait for nothing.
+      return intent === "again" && sinceEndMs < GRACE_MS ? null : intent;
+    }
     default:
       return null;
   }

@@ -39,8 +39,11 @@ describe("keys after the end", () => {
     expect(intentOf(press(code), "ended", GRACE_MS)).toBe(intent);
   });
 
-  it("are ignored during the grace period", () => {
+  it("are ignored during the grace period if they fire or steer, but not if they rewind", () => {
     expect(intentOf(press("Space"), "ended", GRACE_MS - 1)).toBeNull();
+    expect(intentOf(press("ArrowLeft"), "ended", 0)).toBeNull();
+    expect(intentOf(press("Backspace"), "ended", 0)).toBe("rewind");
+    expect(intentOf(press("KeyK"), "ended", 0)).toBe("keep");
     expect(intentOf(press("Space", true), "ended", 10 * GRACE_MS)).toBeNull();
   });
 });
