@@ -77,7 +77,7 @@ def train_imitator(
         n_processes: See VectorGame; affects the speed only.
         precision: Precision of the policy's layers while it learns.
         device: Device to learn and to compute rewards on.
-        on_snapshot: Called with every snapshot that is taken after the start.
+        on_snapshot: Called with every snapshot that is taken.
 
     Raises:
         Invalid: A warm start has no policy of the imitator's network to begin with, or GAIL no
@@ -280,9 +280,6 @@ class _TrainingCallback(BaseCallback):
                 ppo.start_policy = start
             if not ppo.num_timesteps:
                 ppo.policy.load_state_dict(start.state_dict())
-                if self._task.recipe.policy.snapshot_steps and not self.snapshots:
-                    # What PPO makes worse by the learned reward is not kept.
-                    self._take_snapshot()
         self._reporter.on_step()
 
     def _on_rollout_start(self) -> None:
@@ -326,8 +323,7 @@ class _TrainingCallback(BaseCallback):
         self.snapshots.append(SnapshotScore(steps, predicted_return))
         if best_snapshot(self.snapshots).steps == steps:
             save_policy(policy, self._folder / _BEST)
-        if steps:
-            self._on_snapshot(Snapshot(policy, steps, games))
+        self._on_snapshot(Snapshot(policy, steps, games))
 
     def _save(self) -> None:
         extra: dict[str, Any] = {

@@ -56,8 +56,7 @@ def expected_seconds(recipe: Recipe, steps: int) -> dict[Stage, float]:
 def _imitator_seconds(recipe: Recipe, steps: int) -> float:
     judging_s = recipe.policy.snapshot_episodes * MEAN_STEPS / EVALUATION_STEPS_PER_S
     if recipe.method != "dagger":
-        due = recipe.policy.snapshot_steps
-        snapshots = 1 + sum(step <= steps for step in due) + bool(due and recipe.policy.warm_start)
+        snapshots = 1 + sum(step <= steps for step in recipe.policy.snapshot_steps)
         rate = IMITATOR_STEPS_PER_S[recipe.policy.network]
         if recipe.policy.freeze_convolutions:
             rate = max(rate, FROZEN_STEPS_PER_S)
