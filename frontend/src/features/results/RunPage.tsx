@@ -181,22 +181,17 @@ function sectionsOf({ run, results, behaviour, onWatch }: SectionsProps): readon
       body: <Attention results={results} onWatch={onWatch} />,
     },
     active ? null : curves,
-    run.status === "done"
-      ? {
-          id: "files",
-          title: t`What can be taken away?`,
-          body: (
-            <>
-              <TakeAway run={run} behaviour={behaviour} />
-              <Files artifacts={results.artifacts} />
-            </>
-          ),
-        }
-      : results.artifacts.length > 0 && {
-          id: "files",
-          title: t`Which files are there?`,
-          body: <Files artifacts={results.artifacts} />,
-        },
+    run.status === "done" && {
+      id: "archive",
+      title: t`What can be taken away?`,
+      open: true,
+      body: <TakeAway run={run} behaviour={behaviour} />,
+    },
+    results.artifacts.length > 0 && {
+      id: "files",
+      title: t`Which files are there?`,
+      body: <Files artifacts={results.artifacts} />,
+    },
     { id: "parameters", title: t`How was it set up?`, body: <Parameters run={run} /> },
   ].filter((plan) => plan !== null && plan !== false);
 }
