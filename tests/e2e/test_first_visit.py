@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 
 from server.web.pages import FRONTEND
-from tests.e2e.pages import DESKTOP, signed_in
+from tests.e2e.pages import DESKTOP, WITHOUT_INFERENCE, signed_in
 from tests.e2e.playing import expect_running
 from tests.trainings import checked
 from testsupport.finished_runs import make_finished_run
@@ -156,7 +156,7 @@ def test_to_find_out_why_a_run_stopped(browser: Browser, used: LiveServer) -> No
 
 
 def test_to_download_the_policy(browser: Browser, used: LiveServer, tmp_path: Path) -> None:
-    with signed_in(browser, used, "/", viewport=DESKTOP) as page:
+    with signed_in(browser, used, "/", WITHOUT_INFERENCE, viewport=DESKTOP) as page:
         visitor = Visitor(page)
         visitor.follow("Column 1")
         visitor.step("Look")
