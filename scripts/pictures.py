@@ -85,8 +85,9 @@ def main() -> None:
         behaviour = run["behaviour_id"]
         play(page, behaviour)
         photograph(page, f"/behaviours/{behaviour}/rank", "rank")
-        photograph(page, f"/runs/{run['id']}", "results", "Result")
-        photograph(page, f"/runs/{run['id']}", "attention", "What the reward model looks at")
+        photograph(page, f"/runs/{run['id']}", "results")
+        section = f"/runs/{run['id']}#attention"
+        photograph(page, section, "attention", "What does the reward look at?")
 
 
 if __name__ == "__main__":

@@ -19,10 +19,12 @@ export function Section({ id, title, open, children }: SectionProps) {
   const { hash, key } = useLocation();
   const isLed = hash === `#${id}`;
   const [isOpen, setIsOpen] = useState(open || isLed);
-  const [followed, setFollowed] = useState(key);
+  // A changed fragment in the address bar keeps the key.
+  const visit = `${key}${hash}`;
+  const [followed, setFollowed] = useState(visit);
   const section = useRef<HTMLElement>(null);
-  if (key !== followed) {
-    setFollowed(key);
+  if (visit !== followed) {
+    setFollowed(visit);
     if (isLed) setIsOpen(true);
   }
   useEffect(() => {
