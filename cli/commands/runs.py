@@ -32,7 +32,7 @@ from tril.teaching.new_run import create_run
 app = typer.Typer(help="Training runs.", no_args_is_help=True)
 
 ID_LENGTH = 36
-"""Of a run's id, a UUID."""
+"""Length of a run's id, a UUID."""
 
 StepsOption = Annotated[
     int | None,

@@ -3399,9 +3399,8 @@ export interface components {
          * @description What Tril understands of an order.
          *
          *     ``progress`` is the share of what is done while it is learning to see the game or watching the
-         *     ranked ones. ``is_sense`` is false of an order that is
-         *     explained no better than shuffled ones. ``values`` are those
-         *     of the games by recording id, in log odds.
+         *     ranked ones. ``is_sense`` is false if shuffled orders of the games are explained as well.
+         *     ``values`` are those of the games by recording id, in log odds.
          */
         Understanding: {
             /** Answers */

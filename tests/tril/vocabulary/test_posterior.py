@@ -70,7 +70,7 @@ def test_an_order_by_a_group_has_more_evidence_than_orders_drawn_blindly() -> No
     assert evidence.log_evidence(order_by(values[:, GROUPS[7][1]])) > max(blind)
 
 
-def test_what_is_known_counts_as_if_it_were_part_of_the_order() -> None:
+def test_known_choices_count_like_choices_of_the_order() -> None:
     values = facts(np.random.default_rng(2), 20)
     first = Choices.of_tiers([[0], [1], [2], [3]], 20)
     second = Choices.of_tiers([[11], [10], [12], [13]], 20)

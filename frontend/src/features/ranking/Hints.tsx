@@ -15,6 +15,8 @@ import styles from "./Hints.module.css";
 /** Ranked and perfect games that are usually enough: docs/decisions/06-best-efforts.md. */
 const GOOD_NUMBER = 4;
 const GOOD_NUMBER_PERFECT = 3;
+/** Ranked games whose order is told from shuffled ones: docs/decisions/26-statements.md. */
+const GOOD_NUMBER_FOR_STATEMENTS = 10;
 
 interface Hint {
   readonly id: string;
@@ -67,7 +69,7 @@ function hintsFor(
               : t`Mark at least three of your best games with their star: training learns most from what they hit.`,
           ].join(" "),
         },
-    nRanked >= GOOD_NUMBER
+    nRanked >= (isReadByStatements(behaviour) ? GOOD_NUMBER_FOR_STATEMENTS : GOOD_NUMBER)
       ? {
           id: "number",
           done: true,
@@ -79,7 +81,9 @@ function hintsFor(
           id: "number",
           done: false,
           optional: true,
-          text: t`${rankedText(nRanked, nBorrowed)}. Four, from good to hopeless, are usually enough.`,
+          text: isReadByStatements(behaviour)
+            ? t`${rankedText(nRanked, nBorrowed)}. Ten, from good to hopeless, usually tell what you mean.`
+            : t`${rankedText(nRanked, nBorrowed)}. Four, from good to hopeless, are usually enough.`,
         },
   ];
 }

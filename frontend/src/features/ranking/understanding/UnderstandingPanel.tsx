@@ -222,7 +222,7 @@ function Pictures({ urls }: { urls: readonly string[] }) {
   );
 }
 
-/** Warns of an order that chance explains, and names the games that contradict it most. */
+/** Warns of an order that may be chance, and names the games that contradict it most. */
 function Doubt({ told: { is_sense: isSense, contradiction } }: { told: Understanding }) {
   if (isSense === null || (isSense && !contradiction)) return null;
   const better = contradiction && recordingName({ id: contradiction.better });
@@ -234,8 +234,8 @@ function Doubt({ told: { is_sense: isSense, contradiction } }: { told: Understan
         {!isSense && (
           <p>
             <Trans>
-              Nothing that Tril sees explains this order better than chance. A few more games that
-              differ in what you mean tell more. You can train all the same.
+              Shuffled orders of these games are explained as well, so this may be chance. A few
+              more games that differ in what you mean tell more. You can train all the same.
             </Trans>
           </p>
         )}
