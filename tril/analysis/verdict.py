@@ -204,7 +204,7 @@ def _without_targets(imitator: PolicySummary, clone: PolicySummary | None) -> Ve
     return Verdict(
         "none",
         f"The imitator loses {_percent(imitator.death_rate.mean)} of its {_games(n)}{against}."
-        " This behaviour has no target aliens, so how well it plays can't be measured.",
+        " This behaviour names no targets, so how well it plays isn't counted.",
         "Watch some of its games, and rank those that show something new.",
         "teach",
     )
