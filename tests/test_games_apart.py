@@ -51,7 +51,6 @@ ALLOWED = {
     "trainer/runtime/stages/attention.py": PUBLISHED,
     "tril/analysis/verdict.py": PUBLISHED,
     "tril/play/env.py": PUBLISHED,
-    "trainer/policy/dagger.py": DEMONSTRATOR,
     "tril/demonstrators/__init__.py": DEMONSTRATOR,
     "tril/demonstrators/error_model.py": DEMONSTRATOR,
     "tril/demonstrators/example.py": DEMONSTRATOR,

@@ -55,6 +55,8 @@ DONE = (DEMO, ALARMED, GAIL, SIX)
 """Recipe, behaviour, training seed and steps of the finished runs."""
 
 GONE = {
+    "dagger.expert_decay",
+    "dagger.steps_per_iteration",
     "reward.disturbed_copies",
     "reward.disturbed_share",
     "reward.ensemble",

@@ -3,7 +3,6 @@
     python -m benchmarks.learning.yardsticks [-b column-3 -b row-1]
 
 The scripted player reads the console's memory, looks ahead on a saved game and goes for the targets
-from testsupport.space_invaders import idle_frames
 from wherever the opening leaves it: about as much as can be reached. The tape replays the perfect
 demonstration whose start differs from the game's by the fewest idle frames, from the step at which
 the opening ends: what remembering is worth. Both play the 32 games that benchmarks.learning.people
@@ -20,9 +19,9 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.learning.expert import Expert
 from testsupport.space_invaders import idle_frames
 from tril.demonstrators.example import make_example
-from tril.demonstrators.space_invaders.expert import Expert
 from tril.games.atari.starts import EVALUATION_START_COUNT
 from tril.games.behaviours import Behaviour, score
 from tril.games.space_invaders import SPACE_INVADERS

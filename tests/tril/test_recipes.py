@@ -43,7 +43,7 @@ def test_a_recipe_of_another_version_stays_readable() -> None:
 
 def test_a_recipe_from_before_there_were_methods_is_ppos() -> None:
     stored = FAST.to_dict()
-    for name in ("method", "dagger", "gail"):
+    for name in ("method", "gail"):
         del stored[name]
     assert recipe_from_dict(stored) == FAST
 
@@ -80,7 +80,7 @@ def test_values_are_replaced_by_their_path() -> None:
 
 def test_text_is_read_as_the_values_type() -> None:
     text = {
-        "method": "dagger",
+        "method": "gail",
         "ending": "life_counter",
         "policy.n_epochs": "3",
         "policy.gamma": "1",
@@ -92,7 +92,7 @@ def test_text_is_read_as_the_values_type() -> None:
     }
     read = with_values(FAST, text)
     assert changed_values(read, FAST) == {
-        "method": "dagger",
+        "method": "gail",
         "ending": "life_counter",
         "policy.n_epochs": 3,
         "policy.gamma": 1.0,
@@ -119,7 +119,7 @@ def test_text_is_read_as_the_values_type() -> None:
         ("policy.warm_start", "maybe", "must be true or false, got 'maybe'"),
         ("policy.snapshot_steps", "1,0", "must be whole numbers .*, each at least 1, .* got '0'"),
         ("evaluation.start_numbers", "32", "must be numbers from 0 to 31 .*, got '32'"),
-        ("method", "magic", "must be 'ppo', 'dagger' or 'gail', got 'magic'"),
+        ("method", "magic", "must be 'ppo' or 'gail', got 'magic'"),
         ("ending", "never", "must be 'hit' or 'life_counter', got 'never'"),
     ],
 )
@@ -164,13 +164,17 @@ def test_what_was_replaced_is_found_again() -> None:
 
 
 def test_an_unknown_recipe_names_those_there_are() -> None:
-    with pytest.raises(Invalid, match="fast, any, paper, dagger, gail"):
+    with pytest.raises(Invalid, match="fast, any, paper, gail"):
         recipe_named("slow")
 
 
-def test_a_recipe_of_an_earlier_version_keeps_how_it_learned_its_reward() -> None:
-    former = recipe_from_dict(FAST.to_dict() | {"reward": {"method": "fast", "updates": 300}})
+def test_a_recipe_of_an_earlier_version_keeps_how_it_learned() -> None:
+    former = recipe_from_dict(
+        FAST.to_dict() | {"method": "dagger", "reward": {"method": "fast", "updates": 300}}
+    )
     assert checked(former) == former
+    for part_of_today in (replace(former, method="ppo"), replace(former, reward=FAST.reward)):
+        assert checked(part_of_today) == part_of_today
     assert checked(FAST) == FAST
     unknown = replace(former, reward=replace(former.reward, method="magic"))  # type: ignore[arg-type]
     with pytest.raises(Invalid, match=r"reward\.method must be"):

@@ -35,7 +35,7 @@ class ImitationTask:
         recipe: Recipe of the training.
         steps: Training steps, rounded up to whole rollouts.
         training_seed: Seeds all random numbers.
-        behaviour: For DAgger's expert and the curves of hits; PPO never looks at it.
+        behaviour: For the curves of hits; PPO never looks at it.
         perfect: The perfect demonstrations; episodes may begin in them as in the best ranked ones.
         start_policy: File of the policy that a warm start begins with: the run's clone, or an
             earlier run's imitator.

@@ -81,12 +81,18 @@ def train_imitator(
 
     Raises:
         Invalid: A warm start has no policy of the imitator's network to begin with, or GAIL no
-            perfect demonstration.
+            perfect demonstration, or the recipe is of an earlier version that trained imitators in
+            another way.
         CheckpointDamaged: The checkpoint differs from what was written.
         NotFinite: Learning has diverged.
         RunCancelled: Raised by ``progress``.
     """
     recipe = task.recipe.policy
+    if task.recipe.method not in {"ppo", "gail"}:
+        raise Invalid(
+            f"This training's recipe trains the imitator by the method {task.recipe.method!r},"
+            " which this version of Tril no longer has. Begin a new training with today's recipes."
+        )
     discriminator = Discriminator.of(task, device) if task.recipe.method == "gail" else None
     reporter = _Reporter(task, progress)
     if not (checkpoint_folder / _CHECKPOINT).exists():

@@ -14,7 +14,6 @@ from tril.demonstrators.judging import Judgement, PlannedGame, rank_example
 from tril.demonstrators.kinds import KINDS, SCRIPTED, ExampleKind, kind_named
 from tril.demonstrators.plan_matching import match_plans
 from tril.demonstrators.random_play import play_randomly
-from tril.demonstrators.space_invaders.expert import EXPERT_STYLE, Expert
 from tril.demonstrators.space_invaders.plans import (
     N_DEMONSTRATIONS,
     DemonstrationPlan,
@@ -26,7 +25,6 @@ from tril.demonstrators.space_invaders.plans import (
 from tril.demonstrators.space_invaders.varied_play import play_varied
 
 __all__ = [
-    "EXPERT_STYLE",
     "HUMAN",
     "KINDS",
     "N_DEMONSTRATIONS",
@@ -38,7 +36,6 @@ __all__ = [
     "DemonstrationPlan",
     "ErrorModel",
     "ExampleKind",
-    "Expert",
     "GameOutcome",
     "Judgement",
     "PlannedGame",

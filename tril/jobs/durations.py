@@ -28,9 +28,6 @@ CLONING_OBSERVATIONS_PER_S = {"nature": 1_600.0, "small": 4_200.0}
 IMITATOR_STEPS_PER_S = {"nature": 400.0, "small": 750.0}
 FROZEN_STEPS_PER_S = 2_000.0
 """With the convolutions of the small network as they are."""
-DAGGER_LABELS_PER_S = 100.0
-DAGGER_EPOCHS_SHARE = 0.4
-"""Of the passes that early stopping leaves."""
 EVALUATION_STEPS_PER_S = 900.0
 
 
@@ -55,20 +52,11 @@ def expected_seconds(recipe: Recipe, steps: int) -> dict[Stage, float]:
 
 def _imitator_seconds(recipe: Recipe, steps: int) -> float:
     judging_s = recipe.policy.snapshot_episodes * MEAN_STEPS / EVALUATION_STEPS_PER_S
-    if recipe.method != "dagger":
-        snapshots = 1 + sum(step <= steps for step in recipe.policy.snapshot_steps)
-        rate = IMITATOR_STEPS_PER_S[recipe.policy.network]
-        if recipe.policy.freeze_convolutions:
-            rate = max(rate, FROZEN_STEPS_PER_S)
-        return snapshots * judging_s + steps / rate
-    iterations = max(1.0, steps / recipe.dagger.steps_per_iteration)
-    # Every iteration learns from everything collected so far.
-    learned = recipe.cloning.epochs * steps * (iterations + 1) / 2
-    return (
-        steps / DAGGER_LABELS_PER_S
-        + DAGGER_EPOCHS_SHARE * learned / CLONING_OBSERVATIONS_PER_S[recipe.policy.network]
-        + iterations * judging_s
-    )
+    snapshots = 1 + sum(step <= steps for step in recipe.policy.snapshot_steps)
+    rate = IMITATOR_STEPS_PER_S[recipe.policy.network]
+    if recipe.policy.freeze_convolutions:
+        rate = max(rate, FROZEN_STEPS_PER_S)
+    return snapshots * judging_s + steps / rate
 
 
 def _reading_seconds(reward: RewardRecipe) -> float:

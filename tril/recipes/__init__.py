@@ -1,6 +1,6 @@
 """The learning recipes, as data. A run stores the whole recipe that it was made with."""
 
-from tril.recipes.built_in import ANY, DAGGER, FAST, GAIL, PAPER, RECIPES, recipe_named, recipes_for
+from tril.recipes.built_in import ANY, FAST, GAIL, PAPER, RECIPES, recipe_named, recipes_for
 from tril.recipes.changes import (
     FOR_PEOPLE,
     FORMER_NAMES,
@@ -11,9 +11,7 @@ from tril.recipes.changes import (
     with_values,
 )
 from tril.recipes.values import (
-    MAX_DAGGER_STEPS,
     CloningRecipe,
-    DaggerRecipe,
     EvaluationRecipe,
     GailRecipe,
     Method,
@@ -24,16 +22,13 @@ from tril.recipes.values import (
 
 __all__ = [
     "ANY",
-    "DAGGER",
     "FAST",
     "FORMER_NAMES",
     "FOR_PEOPLE",
     "GAIL",
-    "MAX_DAGGER_STEPS",
     "PAPER",
     "RECIPES",
     "CloningRecipe",
-    "DaggerRecipe",
     "EvaluationRecipe",
     "GailRecipe",
     "Method",

@@ -91,27 +91,6 @@ ANY = Recipe(
     evaluation=FAST.evaluation,
 )
 
-DAGGER = Recipe(
-    name="dagger",
-    summary=(
-        "Baseline with a privileged teacher: the scripted player, which reads the game's memory,"
-        " corrects the policy's own games."
-    ),
-    default_steps=15_000,
-    method="dagger",
-    reward=FAST.reward,
-    policy=PolicyRecipe(
-        network="small",
-        reward="level",
-        death_penalty=5.0,
-        reward_scale=0.05,
-        learning_rate=5e-4,
-        snapshot_episodes=24,
-    ),
-    cloning=CloningRecipe(network="small"),
-    evaluation=FAST.evaluation,
-)
-
 GAIL = replace(
     FAST,
     name="gail",
@@ -125,7 +104,7 @@ GAIL = replace(
     ),
 )
 
-RECIPES: dict[str, Recipe] = {recipe.name: recipe for recipe in (FAST, ANY, PAPER, DAGGER, GAIL)}
+RECIPES: dict[str, Recipe] = {recipe.name: recipe for recipe in (FAST, ANY, PAPER, GAIL)}
 
 
 def _unprepared(cloning: CloningRecipe) -> CloningRecipe:

@@ -20,8 +20,9 @@ T = TypeVar("T")
 MAX_PROBLEMS = 4
 """Most refused values that a refusal names."""
 
-FORMER_REWARD_METHODS = ("fast",)
-"""Of recipes of earlier versions, which can no longer be trained."""
+FORMER_METHODS = {"method": ("dagger", "ppo"), "reward.method": ("fast", "paper")}
+"""By path: what recipes of earlier versions may have, which can no longer be trained, and a value
+of today by which the rest of such a recipe is checked."""
 
 FOR_PEOPLE = ("name", "summary", "default_steps", "ordered_steps")
 """Values of a recipe that do not affect what is learned."""
@@ -54,10 +55,8 @@ def evaluated_on_own_start(recipe: Recipe, start_number: int) -> Recipe:
     section 6.1), which measures how well that one game was learned.
 
     Raises:
-        Invalid: The policy is not trained by PPO, or there is no such start.
+        Invalid: There is no such start.
     """
-    if recipe.method == "dagger":
-        raise Invalid("DAgger has no games of PPO that could begin at the start it is judged on.")
     values = {"policy.own_starts": (start_number,), "policy.opening_share": 0.0}
     recipe = with_values(recipe, values)
     return replace(recipe, evaluation=EvaluationRecipe((start_number,), ()))
@@ -91,16 +90,17 @@ def with_values(recipe: Recipe, values: Mapping[str, Any]) -> Recipe:
 
 
 def checked(recipe: Recipe) -> Recipe:
-    """Return a recipe whose values may come from anywhere; it may learn rewards by a former method.
+    """Return a recipe whose values may come from anywhere; it may learn by a former method.
 
     Raises:
         Invalid: A value is out of its range.
     """
-    method = recipe.reward.method
-    if method not in FORMER_REWARD_METHODS:
-        return with_values(recipe, {})
-    recipe = with_values(recipe, {"reward.method": "paper"})
-    return replace(recipe, reward=replace(recipe.reward, method=method))
+    values = _by_path(recipe)
+    former = {path for path, (name, _) in FORMER_METHODS.items() if values[path] == name}
+    today = with_values(recipe, {path: FORMER_METHODS[path][1] for path in former})
+    if "reward.method" in former:
+        today = replace(today, reward=replace(today.reward, method=recipe.reward.method))
+    return replace(today, method=recipe.method) if "method" in former else today
 
 
 def changed_values(recipe: Recipe, original: Recipe) -> dict[str, Any]:

@@ -9,9 +9,6 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from tril.games.base import MAX_EVALUATION_STARTS
 
-MAX_DAGGER_STEPS = 60_000
-"""DAgger keeps every observation that it has seen, 28 kB each, and twice while it learns."""
-
 MAX_COUNT = 1_000_000_000
 MAX_STEP_NUMBERS = 10_000
 MAX_FACTOR = 1_000
@@ -62,7 +59,7 @@ StartNumbers = Annotated[
     ),
 ]
 Network = Literal["nature", "small"]
-Method = Literal["ppo", "dagger", "gail"]
+Method = Literal["ppo", "gail"]
 
 
 @dataclass(frozen=True)
@@ -270,23 +267,6 @@ class CloningRecipe:
 
 
 @dataclass(frozen=True)
-class DaggerRecipe:
-    """How the imitator is learned from an expert's corrections (DAgger, Ross et al. 2011).
-
-    Network and learning rate are those of PolicyRecipe, the supervised training is CloningRecipe's.
-
-    Attributes:
-        steps_per_iteration: Steps played and labelled before the policy is trained again, rounded
-            up to whole games.
-        expert_decay: p of beta_i = p^(i-1), the probability with which a step of iteration i is
-            the expert's; in the first all are (Ross et al. 2011, section 3).
-    """
-
-    steps_per_iteration: Count = 1_500
-    expert_decay: Share = 0.5
-
-
-@dataclass(frozen=True)
 class GailRecipe:
     """How GAIL's discriminator is learned (Ho and Ermon 2016); PPO is as PolicyRecipe says.
 
@@ -337,14 +317,12 @@ class Recipe:
         default_steps: Training steps of the imitator that the page proposes.
         ordered_steps: The same where targets have an order; 0 for as many.
         ending: Which event ends a training or evaluation game, see tril.play.episode.Ending.
-        method: What trains the imitator: "ppo" on the learned reward, "dagger" on the corrections
-            of the scripted demonstrator, "gail" by PPO against a discriminator of the perfect
-            demonstrations. Nothing else of a run depends on it.
+        method: What trains the imitator: "ppo" on the learned reward, "gail" by PPO against a
+            discriminator of the perfect demonstrations. Nothing else of a run depends on it.
         reward: The reward model.
         policy: The imitator.
         cloning: The clone.
         evaluation: The evaluation games.
-        dagger: The imitator of method "dagger".
         gail: The discriminator of method "gail".
     """
 
@@ -357,7 +335,6 @@ class Recipe:
     policy: PolicyRecipe = PolicyRecipe()
     cloning: CloningRecipe = CloningRecipe()
     evaluation: EvaluationRecipe = EvaluationRecipe()
-    dagger: DaggerRecipe = DaggerRecipe()
     gail: GailRecipe = GailRecipe()
     ordered_steps: CountOrNone = 0
 
@@ -372,19 +349,12 @@ class Recipe:
     @property
     def needs_pretrained(self) -> bool:
         """Whether it needs networks that have learned to read the game's screens."""
-        return (
-            self.method == "dagger" or self.reward.method == "posterior" or self.cloning.pretrained
-        )
-
-    @property
-    def begins_with_clone(self) -> bool:
-        """Whether PPO begins with a policy that is there already: the clone, or a parent's."""
-        return self.method != "dagger" and self.policy.warm_start
+        return self.reward.pretrained or self.cloning.pretrained
 
     @property
     def warm_up_steps(self) -> int:
         """Steps in which the imitator does not learn yet, because the critic warms up."""
-        return 0 if self.method == "dagger" else self.policy.critic_warm_up_steps
+        return self.policy.critic_warm_up_steps
 
     def to_dict(self) -> dict[str, Any]:
         """Return the recipe as JSON-ready data; ``recipe_from_dict`` gives it back."""

@@ -7,11 +7,11 @@ import uuid
 from sqlalchemy.orm import Session
 
 from tril.analysis.outcome import RunSnapshot
-from tril.demonstrators import SCRIPTED, example_plans, kind_named
+from tril.demonstrators import SCRIPTED, kind_named
 from tril.errors import Conflict, Invalid, NotFound
 from tril.games import game_of
 from tril.ranking import best_ranked
-from tril.recipes import MAX_DAGGER_STEPS, Recipe, recipe_from_dict, recipe_named
+from tril.recipes import Recipe, recipe_from_dict, recipe_named
 from tril.store import answers, audit, behaviours, rankings, recordings
 from tril.store.changes import note_change
 from tril.store.database import database_now
@@ -73,16 +73,9 @@ def create_run(
         )
     if steps < 1:
         raise Invalid(f"Expected at least one step, got {steps}.")
-    if recipe.method == "dagger":
-        example_plans(behaviours.as_behaviour(behaviour))
-        if steps > MAX_DAGGER_STEPS:
-            raise Invalid(
-                f"DAgger keeps every state that it has seen: train it for at most"
-                f" {MAX_DAGGER_STEPS:,} steps, not {steps:,}."
-            )
     if parent_run_id is not None:
         _refuse_unfit_parent(session, behaviour_id, recipe, parent_run_id)
-    elif recipe.begins_with_clone and recipe.cloning.network != recipe.policy.network:
+    elif recipe.policy.warm_start and recipe.cloning.network != recipe.policy.network:
         raise Invalid(
             f"policy.warm_start=true begins with the clone, whose network"
             f" {recipe.cloning.network!r} is not that of the imitator, {recipe.policy.network!r}."

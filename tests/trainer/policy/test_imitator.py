@@ -28,7 +28,7 @@ from tril.errors import Invalid
 from tril.games.atari.starts import TRAINING_IDLE_FRAMES
 from tril.games.base import start_of
 from tril.games.space_invaders import SPACE_INVADERS
-from tril.recipes import DAGGER, FAST, evaluated_on_own_start, with_values
+from tril.recipes import FAST, evaluated_on_own_start, with_values
 
 
 @pytest.fixture(scope="module")
@@ -146,5 +146,11 @@ def test_the_published_protocol_trains_and_judges_on_one_start() -> None:
     assert snapshot_starts(SPACE_INVADERS, recipe) == [evaluation_start(2)]
     assert training_starts(SPACE_INVADERS, recipe) == (evaluation_start(2),)
     assert (recipe.evaluation.start_numbers, recipe.evaluation.further_start_numbers) == ((2,), ())
-    with pytest.raises(Invalid, match="DAgger"):
-        evaluated_on_own_start(DAGGER, 2)
+
+
+def test_a_method_of_an_earlier_version_is_refused(task: ImitationTask, tmp_path: Path) -> None:
+    former = replace(task.recipe, method="dagger")  # type: ignore[arg-type]
+    with pytest.raises(Invalid, match="no longer has"):
+        train_imitator(
+            replace(task, recipe=former), tmp_path / "policy.zip", tmp_path, NullProgress()
+        )

@@ -20,10 +20,6 @@ from tril.store.training import artifacts, evaluations
 STEPS = 400
 
 RECIPES: dict[str, Recipe] = {
-    "dagger": with_values(
-        TINY,
-        {"method": "dagger", "cloning.epochs": 1, "dagger.steps_per_iteration": 200},
-    ),
     "gail": with_values(
         TINY,
         {
@@ -37,7 +33,6 @@ RECIPES: dict[str, Recipe] = {
     ),
 }
 OWN_CURVES = {
-    "dagger": {"hits", "strays", "episode_steps", "agreement", "expert_share", "accuracy"},
     "gail": {"discriminator_loss", "discriminator_accuracy", "value_loss", "entropy"},
 }
 

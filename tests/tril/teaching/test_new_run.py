@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
 from testsupport.workplace import TINY, Workplace
@@ -57,18 +55,6 @@ def test_a_ranking_whose_recordings_are_deleted_or_unverified_is_refused(
         workplace.make_run()
 
 
-def test_dagger_is_refused_where_its_expert_knows_nothing(workplace: Workplace) -> None:
-    dagger = replace(TINY, method="dagger")
-    with pytest.raises(Invalid, match="at most 60,000 steps, not 60,001"):
-        workplace.make_run(dagger, steps=60_001)
-    assert workplace.run(workplace.make_run(dagger)).recipe["method"] == "dagger"
-    with workplace.database.writing() as session:
-        free = behaviours.create(session, "Play nicely").id
-    elsewhere = replace(workplace, behaviour_id=free)
-    with pytest.raises(Invalid, match="Play nicely has no target aliens"):
-        elsewhere.make_run(dagger)
-
-
 def test_no_more_runs_than_allowed_may_wait(workplace: Workplace) -> None:
     def create() -> str:
         with workplace.database.writing() as session:
@@ -118,7 +104,7 @@ def test_a_parent_that_can_not_be_continued_is_refused_with_what_to_do(
     with pytest.raises(Conflict, match="has no imitator yet"):
         workplace.make_run(parent_run_id=unfinished)
     from_scratch = {"policy.warm_start": False, "policy.freeze_convolutions": False}
-    for values in ({"method": "dagger"}, from_scratch):
+    for values in ({"method": "gail"}, from_scratch):
         with pytest.raises(Invalid, match="does not train by PPO with a warm start"):
             workplace.make_run(with_values(TINY, values), parent_run_id=parent)
     other = {

@@ -7,7 +7,6 @@ from functools import partial
 
 from trainer.nn.precision import Precision
 from trainer.policy.cloning import train_clone
-from trainer.policy.dagger import train_by_dagger
 from trainer.policy.imitation import ImitationTask
 from trainer.policy.imitator import train_imitator
 from trainer.policy.networks import save_policy
@@ -128,21 +127,18 @@ def learn_imitator(data: RunData, progress: Progress) -> RunOutcome:
     folder = context.stage_folder("imitator")
     path = folder / "imitator.zip"
     with data.start_policy_file() as start_policy:
-        if context.recipe.method == "dagger":
-            result = train_by_dagger(task, path, folder, progress, context.device)
-        else:
-            result = train_imitator(
-                replace(task, start_policy=start_policy),
-                path,
-                folder,
-                progress,
-                n_processes=min(context.threads, context.recipe.policy.n_envs),
-                precision=Precision.of(context.settings.learning_precision, context.device),
-                device=context.device,
-                on_snapshot=partial(
-                    keep_snapshot, data, path=path, console=context.game.make_console()
-                ),
-            )
+        result = train_imitator(
+            replace(task, start_policy=start_policy),
+            path,
+            folder,
+            progress,
+            n_processes=min(context.threads, context.recipe.policy.n_envs),
+            precision=Precision.of(context.settings.learning_precision, context.device),
+            device=context.device,
+            on_snapshot=partial(
+                keep_snapshot, data, path=path, console=context.game.make_console()
+            ),
+        )
     data.keep_policy("imitator", path)
     return RunOutcome(
         imitator=ImitatorOutcome(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tril.demonstrators import EXPERT_STYLE, Expert
+from benchmarks.learning.expert import EXPERT_STYLE, Expert
 from tril.demonstrators.space_invaders.player import ScriptedPlayer
 from tril.errors import Invalid
 from tril.games.atari.starts import AtariStart

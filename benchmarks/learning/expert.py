@@ -1,6 +1,6 @@
-"""The scripted player as the expert of DAgger: its action in any state of a game.
+"""The scripted player in any state of a game, however it came about: a yardstick for policies.
 
-The expert is privileged: it reads the RAM and looks ahead on the saved game. No learner may.
+It is privileged: it reads the RAM and looks ahead on the saved game. No learner may.
 """
 
 from __future__ import annotations
