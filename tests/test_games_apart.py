@@ -15,7 +15,6 @@ NAMES = re.compile(r"alien|space.?invaders", re.IGNORECASE)
 OWN_FOLDERS = (
     "tril/games/space_invaders/",
     "tril/demonstrators/space_invaders/",
-    "trainer/games/space_invaders/",
     "frontend/src/games/space-invaders/",
 )
 
@@ -29,7 +28,6 @@ ALLOWED = {
     "server/api/rankings.py": INFERENCE,
     "server/api/schemas/rankings.py": INFERENCE,
     "trainer/archive/standalone/reward_wrapper.py": INFERENCE,
-    "trainer/policy/pretraining.py": INFERENCE,
     "trainer/reporting/digests.py": INFERENCE,
     "trainer/reward/advice.py": INFERENCE,
     "trainer/reward/model.py": INFERENCE,

@@ -171,17 +171,11 @@ def new_policy(
 
 
 def pretrained_policy(learning_rate: float, device: torch.device = CPU) -> ScreenPolicy:
-    """Return the policy of size "small" that ships with Tril; see trainer.policy.pretraining."""
+    """Return the policy of size "small" that ships with Tril; see scripts.pretraining."""
     tensors, _ = load_tensors(PRETRAINED)
     policy = _screen_policy(policy_arguments("small"), _n_actions(tensors), learning_rate)
     _load_shared(policy, tensors)
     return channels_last(policy.to(device))
-
-
-def save_pretrained(policy: ScreenPolicy, path: Path, figures: str) -> None:
-    """Write a policy's weights in half precision, as ``pretrained_policy`` reads them."""
-    weights = {name: one.half() for name, one in _shared_weights(policy).items()}
-    save_tensors(path, weights, {"figures": figures})
 
 
 def _shared(name: str) -> str:
@@ -189,7 +183,8 @@ def _shared(name: str) -> str:
     return name.removeprefix("pi_").removeprefix("vf_")
 
 
-def _shared_weights(policy: ScreenPolicy) -> dict[str, Tensor]:
+def shared_weights(policy: ScreenPolicy) -> dict[str, Tensor]:
+    """Return a policy's weights, those that actor and critic share once."""
     return {_shared(name): one for name, one in policy.state_dict().items()}
 
 
@@ -300,7 +295,7 @@ def save_weights(
         "observation_shape": OBSERVATION_SHAPE,
         "actions": list(actions),
     }
-    weights = _shared_weights(policy)
+    weights = shared_weights(policy)
     save_tensors(
         path,
         {name: one.half() if half else one.float() for name, one in weights.items()},
@@ -358,7 +353,7 @@ def _network_of_weights(path: Path) -> ScreenPolicy:
         if size not in SIZES.values():
             raise Invalid(f"{path.name} is of a network of an unknown size.")
         network = _sized(size, _n_actions(weights))
-        if extra := weights.keys() - _shared_weights(network).keys():
+        if extra := weights.keys() - shared_weights(network).keys():
             raise Invalid(f"{path.name} has unknown weights: {', '.join(sorted(extra)[:4])}.")
         _load_shared(network, weights)
     except (SafetensorError, json.JSONDecodeError, KeyError, TypeError, RuntimeError) as error:

@@ -1,7 +1,7 @@
 """Pictures of games that were drawn beforehand: a page of a hundred games shows them at once.
 
-``python -m server.draw_pictures`` draws them anew. A game that is missing is played for its picture
-when it is asked for.
+``python -m scripts.draw_pictures`` draws them anew. A game that is missing is played for its
+picture when it is asked for.
 """
 
 from __future__ import annotations

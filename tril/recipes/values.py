@@ -235,7 +235,7 @@ class CloningRecipe:
         validation_share: Share of the demonstrations held out for early stopping; 0 turns it off.
         patience: Epochs without improvement on those after which learning stops.
         pretrained: Whether it begins with the policy that ships with Tril, which has learned to
-            survive, see trainer.policy.pretraining.
+            survive, see scripts.pretraining.
         freeze_convolutions: Whether the convolutions of that policy stay as they are.
         scale_layers: Whether layers that begin at random are scaled on the demonstrations' screens
             first, see trainer.nn.scaling.

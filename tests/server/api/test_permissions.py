@@ -21,6 +21,7 @@ from sqlalchemy import select
 from starlette.testclient import TestClient, WebSocketTestSession
 from starlette.websockets import WebSocketDisconnect
 
+from scripts.permissions_page import page
 from server.api import catalogue
 from server.play.rules import PlayRules
 from server.web.permissions import (
@@ -29,7 +30,6 @@ from server.web.permissions import (
     RESEARCHERS_FIELDS,
     Need,
     check_all_declared,
-    page,
 )
 from server.web.security import load_secrets
 from tests.server.clients import build_frontend, signed_in
@@ -545,7 +545,7 @@ def test_a_participant_is_told_nothing_of_what_researchers_make_of_a_game(
 
 def test_the_table_of_permissions_is_current() -> None:
     docs = Path(__file__).parents[3] / "docs" / "permissions.md"
-    assert docs.read_text() == page(), "python -m server.web.permissions > docs/permissions.md"
+    assert docs.read_text() == page(), "python -m scripts.permissions_page > docs/permissions.md"
 
 
 @pytest.mark.parametrize("path", ["games", "pictures"])

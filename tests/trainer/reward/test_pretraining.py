@@ -12,7 +12,6 @@ import torch
 from torch.nn import functional as F
 
 from tests.trainer.samples import TIERS, planted_trajectories
-from trainer.games.space_invaders.memory_reading import Screens, play_games
 from trainer.nn.checkpoints import load_tensors, save_tensors
 from trainer.nn.seeding import torch_seeded
 from trainer.progress import NullProgress
@@ -21,11 +20,11 @@ from trainer.reward.model import Order, RewardModel, RewardNetwork, gaps_between
 from trainer.reward.preference_dataset import PreferenceDataset
 from trainer.reward.pretraining import (
     WEIGHTS,
-    pretrain,
     pretrained_network,
     read_features,
 )
 from trainer.reward.reward_trainer import train_reward_model
+from tril.demonstrators import play_varied
 from tril.demonstrators.space_invaders.player import ScriptedPlayer, draw_style
 from tril.errors import Invalid
 from tril.games.atari.starts import AtariStart
@@ -33,14 +32,9 @@ from tril.games.space_invaders import SPACE_INVADERS
 from tril.games.space_invaders.behaviours import ROW_1
 from tril.games.space_invaders.memory import COLUMNS, FRAMES_PER_STEP
 from tril.play.episode import Episode
-from tril.play.observation import AgentView
+from tril.play.observation import AgentView, Observations
 from tril.recipes import RewardRecipe
 from tril.recording import Recorder, trajectory
-
-ALIENS_LEFT = 17 * 8
-"""First bit of the number of aliens left, see space_invaders."""
-
-N_GAMES = 5
 
 SETTLED_STEPS = 5
 """After a hit, until the alien's explosion is gone."""
@@ -49,41 +43,19 @@ PRETRAINED = RewardRecipe(method="posterior", updates=3, fragment_min_steps=4)
 
 
 @pytest.fixture(scope="module")
-def screens() -> Screens:
-    return play_games(N_GAMES, seed=5, n_processes=1)
+def observations() -> Observations:
+    rng, console = np.random.default_rng(5), SPACE_INVADERS.make_console()
+    return trajectory(play_varied(rng, console).recording, console).observations[::4]
 
 
-def test_screens_belong_to_the_memory_beside_them(screens: Screens) -> None:
-    assert screens.observations.shape == (len(screens.bits), 4, 84, 84)
-    assert screens.bits.shape[1] == 1024
-    assert np.unique(screens.games).tolist() == list(range(N_GAMES))
-    again = play_games(N_GAMES, seed=5, n_processes=1)
-    assert np.array_equal(again.bits, screens.bits)
-    assert np.array_equal(again.observations, screens.observations)
-    # The memory counts the aliens, too.
-    n_left = np.packbits(screens.bits[:, ALIENS_LEFT : ALIENS_LEFT + 8], axis=1)[:, 0]
-    assert (screens.standing.sum(1) == n_left).all()
-    for game in range(N_GAMES):
-        standing = screens.standing[screens.games == game].astype(int)
-        assert (np.diff(standing, axis=0) <= 0).all()
-
-
-def test_r_from_what_was_read_is_r_from_the_screens(screens: Screens) -> None:
+def test_r_from_what_was_read_is_r_from_the_screens(observations: Observations) -> None:
     network = pretrained_network(np.random.default_rng(3))
     model = RewardModel(network, 0.5, 2.0)
-    left = read_features(screens.observations[:150])
-    assert left.shape == (150, network.output.in_features)
+    left = read_features(observations)
+    assert left.shape == (len(observations), network.output.in_features)
     assert ((left >= 0) & (left <= 1)).all()
-    wanted = model.score(screens.observations[:150])
+    wanted = model.score(observations)
     assert model.score_features(left) == pytest.approx(wanted, abs=1e-5)
-
-
-def test_pretraining_learns_what_is_on_the_screen(screens: Screens) -> None:
-    network, figures = pretrain(screens, seed=0)
-    assert figures["aliens"]["n_flags"] == 36
-    assert network.output.in_features == 36 + 30
-    assert 0.5 < figures["aliens"]["accuracy"] <= 1.0
-    assert figures["aliens"]["known"] < 1.0
 
 
 def test_the_weights_that_ship_read_the_aliens_off_the_screen() -> None:
@@ -121,15 +93,6 @@ def test_the_weights_that_ship_see_that_a_row_stays_swept() -> None:
     assert (left > 0.5).float().mean() < 0.01
 
 
-def test_games_are_put_together(screens: Screens) -> None:
-    both = screens.with_games(screens)
-    assert np.unique(both.games).tolist() == list(range(2 * N_GAMES))
-    n_states = len(screens.games)
-    assert np.array_equal(both.games[n_states:], screens.games + N_GAMES)
-    assert np.array_equal(both.observations[n_states:], screens.observations)
-    assert len(both.bits) == len(both.outcomes) == len(both.standing) == 2 * n_states
-
-
 def test_a_row_is_swept_as_far_as_all_aliens_from_its_left_end_are_gone() -> None:
     left = torch.ones(1, 36)
     left[0, [0, 1, 2, 8, 30, 31, 33]] = 0.0
@@ -138,19 +101,21 @@ def test_a_row_is_swept_as_far_as_all_aliens_from_its_left_end_are_gone() -> Non
 
 
 @pytest.mark.parametrize("order", [Order.GAPS, Order.SWEEPS])
-def test_a_model_is_read_as_it_was_saved(tmp_path: Path, screens: Screens, order: Order) -> None:
+def test_a_model_is_read_as_it_was_saved(
+    tmp_path: Path, observations: Observations, order: Order
+) -> None:
     with torch_seeded(np.random.default_rng(1)):
         model = RewardModel(RewardNetwork(36, order))
     path = tmp_path / "model.safetensors"
     model.save(path)
-    wanted = model.score(screens.observations[:9])
-    assert np.array_equal(RewardModel.load(path).score(screens.observations[:9]), wanted)
+    wanted = model.score(observations[:9])
+    assert np.array_equal(RewardModel.load(path).score(observations[:9]), wanted)
     tensors, metadata = load_tensors(path)
     header = json.loads(metadata["model"])
     assert header.pop("order") == order
     # Files from before sweeps have gaps and do not say so.
     save_tensors(path, tensors, metadata | {"model": json.dumps(header)})
-    older = RewardModel.load(path).score(screens.observations[:9])
+    older = RewardModel.load(path).score(observations[:9])
     assert np.array_equal(older, wanted) == (order is Order.GAPS)
     save_tensors(path, tensors, metadata | {"model": json.dumps(header | {"order": "luck"})})
     with pytest.raises(Invalid, match="'luck' is not a valid Order"):

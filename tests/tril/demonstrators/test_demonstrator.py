@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from scripts.demonstrations import demonstration_object
 from testsupport.space_invaders import idle_frames
 from tril.demonstrators import (
     Demonstration,
@@ -21,7 +22,6 @@ from tril.demonstrators import (
 )
 from tril.demonstrators.space_invaders.plans import draw_hits
 from tril.errors import Invalid
-from tril.exchange.demonstrations import demonstration_object
 from tril.exchange.formats.recording_object import parse_recording
 from tril.games.atari.starts import TRAINING_IDLE_FRAMES, AtariStart
 from tril.games.base import Cell

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from scripts.demonstrations import demonstration_object
 from tril.demonstrators import (
     HUMAN,
     KINDS,
@@ -31,7 +32,6 @@ from tril.demonstrators.space_invaders.human_like import HumanLikePlayer
 from tril.demonstrators.space_invaders.plans import draw_hits, tolerance_violation
 from tril.demonstrators.space_invaders.player import PlayStyle
 from tril.errors import Invalid
-from tril.exchange.demonstrations import demonstration_object
 from tril.games.atari.starts import AtariStart
 from tril.games.behaviours import score
 from tril.games.space_invaders import SPACE_INVADERS

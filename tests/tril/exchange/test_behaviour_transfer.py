@@ -272,7 +272,7 @@ def test_unverified_recordings_are_left_out_with_a_notice(origin: Workplace) -> 
 
 def test_the_published_schema_is_current_and_accepts_exports(origin: Workplace) -> None:
     assert json.loads(SCHEMA_FILE.read_text()) == behaviour_schema(), (
-        "Regenerate it: python -m tril.exchange behaviour > docs/behaviour-format.schema.json"
+        "Regenerate it: python -m scripts.schemas behaviour > docs/behaviour-format.schema.json"
     )
     Draft202012Validator.check_schema(behaviour_schema())
     Draft202012Validator(behaviour_schema()).validate(exported(origin))

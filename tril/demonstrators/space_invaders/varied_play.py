@@ -3,8 +3,6 @@
 They know of no behaviour. Most are played towards a few aliens drawn by chance, flawlessly or with
 a person's errors; the others are random play. Random play alone seldom lives long enough to hit
 more than two aliens, so that it says little about what comes later in a game.
-
-Varied play seldom clears a row while aliens above it are left; `play_low_rows` does.
 """
 
 from __future__ import annotations
@@ -34,13 +32,6 @@ MAX_COLUMNS = 3
 MAX_HITS = 10
 """Most aliens that a game is played towards."""
 
-MAX_ROWS = 3
-"""Most rows that a game that clears rows is played towards, from the lowest on."""
-
-MIN_ROW_HITS = 4
-MAX_ROW_HITS = 14
-"""Fewest and most aliens that such a game is played towards; more can't be hit in 300 steps."""
-
 REACTION_MS = (150, 250, 350)
 """Reaction times of the players that make errors, in milliseconds."""
 
@@ -68,42 +59,13 @@ def play_varied(rng: np.random.Generator, console: Console | None = None) -> Ver
         return play_randomly(rng, console)
     start = draw_start(SPACE_INVADERS.starts, rng)
     hits = draw_hits(draw_plan(rng), rng, first_column=int(rng.integers(COLUMNS)))
-    return _play_towards(hits, start, rng, console)
+    return play_towards(hits, start, rng, console)
 
 
-def play_low_rows(rng: np.random.Generator, console: Console | None = None) -> Verified:
-    """Play one game towards aliens of the lowest rows to its end and verify the recording.
-
-    A third of the games clear row by row from left to right, a third from right to left, and the
-    others hit what is nearest.
-
-    Args:
-        rng: Source of all draws.
-        console: The console to play on; None loads one.
-
-    Raises:
-        RecordingRefused: The replay differs, because the emulator is not deterministic.
-    """
-    start = draw_start(SPACE_INVADERS.starts, rng)
-    return _play_towards(draw_low_rows(rng), start, rng, console or SPACE_INVADERS.make_console())
-
-
-def draw_low_rows(rng: np.random.Generator) -> tuple[Cell, ...]:
-    """Draw aliens (row, column) of the lowest one to three rows, in an order to hit them in."""
-    n_rows = int(rng.integers(1, MAX_ROWS + 1))
-    cells = [(row, column) for row in range(n_rows) for column in range(COLUMNS)]
-    max_hits = min(MAX_ROW_HITS, len(cells))
-    direction = int(rng.integers(3))
-    if direction == 2:
-        plan = DemonstrationPlan(1, "Low rows", frozenset(cells), MIN_ROW_HITS, max_hits)
-        return draw_hits(plan, rng, first_column=int(rng.integers(COLUMNS)))
-    cells.sort(key=lambda cell: (cell[0], cell[1] if direction == 0 else -cell[1]))
-    return tuple(cells[: int(rng.integers(MIN_ROW_HITS, max_hits + 1))])
-
-
-def _play_towards(
+def play_towards(
     hits: tuple[Cell, ...], start: Start, rng: np.random.Generator, console: Console
 ) -> Verified:
+    """Play towards these aliens, flawlessly or with a person's errors."""
     recorder = Recorder(Episode(console, start))
     style = draw_style(rng)
     if rng.random() < FLAWLESS_SHARE:

@@ -1,5 +1,5 @@
 """File formats: one recording as a JSON object, many as JSON Lines, a whole behaviour.
 
-See docs/exchange-format.md and docs/behaviour-format.md. ``python -m tril.exchange`` prints their
+See docs/exchange-format.md and docs/behaviour-format.md. ``python -m scripts.schemas`` prints their
 JSON Schemas.
 """

@@ -1,6 +1,6 @@
 """The model of a behaviour file: the behaviour, its recordings, every revision of the ranking.
 
-See docs/behaviour-format.md. ``python -m tril.exchange behaviour`` generates
+See docs/behaviour-format.md. ``python -m scripts.schemas behaviour`` generates
 docs/behaviour-format.schema.json from it.
 """
 

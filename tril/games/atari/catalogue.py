@@ -13,7 +13,7 @@ from typing import Any
 from ale_py import roms
 
 CATALOGUE = Path(__file__).with_name("catalogue.json")
-"""Written by tril.games.atari.survey."""
+"""Written by scripts.surveys.atari."""
 
 _TITLES = {
     "atlantis2": "Atlantis II",

@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 
 LISTING = Path(__file__).with_name("listing.json")
-"""Written by tril.games.gymnasium.survey."""
+"""Written by scripts.surveys.gymnasium."""
 
 
 @dataclass(frozen=True)

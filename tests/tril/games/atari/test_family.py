@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from ale_py.roms import get_all_rom_ids
 
+from scripts.surveys.atari import entry_of
 from tril.errors import Invalid
 from tril.games import game_named, game_titles
 from tril.games.atari.catalogue import entries, rom_path
-from tril.games.atari.survey import entry_of
 from tril.games.base import Game, spread_starts
 from tril.games.settings import GameSettings, Rectangle
 from tril.play.episode import Episode

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from trainer.games.space_invaders.foresight import HIT_WITHIN, MOVES, N_HITS, N_OUTCOMES, Lookahead
+from scripts.pretraining.foresight import HIT_WITHIN, MOVES, N_HITS, N_OUTCOMES, Lookahead
 from tril.games.atari.starts import AtariStart
 from tril.games.space_invaders import SPACE_INVADERS
 from tril.games.space_invaders.ends import EndReason

@@ -8,7 +8,7 @@ goes to one side, and which alien it would hit if it shot. Then PPO learns to su
 convolutions as they are: all that it is paid for is not to be hit, and its episodes begin after
 openings and within varied games. No alien is worth anything.
 
-    python -m trainer.policy.pretraining
+    python -m scripts.pretraining.policy
 
 makes the weights that ship with Tril anew; it takes half an hour on two cores.
 """
@@ -28,7 +28,8 @@ import numpy.typing as npt
 import torch
 from torch import nn
 
-from trainer.games.space_invaders.memory_reading import N_GAMES, Screens, play_games, train_readings
+from scripts.pretraining.memory_reading import N_GAMES, Screens, play_games, train_readings
+from trainer.nn.checkpoints import save_tensors
 from trainer.nn.precision import Precision
 from trainer.nn.seeding import torch_seeded
 from trainer.policy.evaluation import play
@@ -41,7 +42,7 @@ from trainer.policy.networks import (
     load_network,
     new_policy,
     save_policy,
-    save_pretrained,
+    shared_weights,
 )
 from trainer.progress import NullProgress
 from trainer.reward.model import RewardModel, new_network
@@ -150,6 +151,12 @@ def pretrain_survival(
     precision = Precision.of("auto", torch.device("cpu"))
     train_imitator(task, path, folder, NullProgress(), precision=precision)
     return load_network(path)
+
+
+def save_pretrained(policy: ScreenPolicy, path: Path, figures: str) -> None:
+    """Write a policy's weights in half precision, as ``pretrained_policy`` reads them."""
+    weights = {name: one.half() for name, one in shared_weights(policy).items()}
+    save_tensors(path, weights, {"figures": figures})
 
 
 def death_rate(policy: ScreenPolicy) -> float:

@@ -1,7 +1,7 @@
 """Which environments of Gymnasium, MiniGrid and highway-env can be played; writes listing.json.
 
-    python -m tril.games.gymnasium.survey            # takes some minutes
-    python -m tril.games.gymnasium.survey MODULE     # prints what it finds of another package
+    python -m scripts.surveys.gymnasium            # takes some minutes
+    python -m scripts.surveys.gymnasium MODULE     # prints what it finds of another package
 
 Each is examined in two processes, whose strings have different hashes: sets must not matter.
 """
@@ -28,7 +28,7 @@ NOT_LISTED = ("phys2d/", "tabular/", "GymV", "BabyAI-")
 """Need JAX, are no environments, or have tasks that their pictures do not show."""
 
 _PROGRAM = (
-    "import sys; from tril.games.gymnasium.survey import print_digest; print_digest(sys.argv[1])"
+    "import sys; from scripts.surveys.gymnasium import print_digest; print_digest(sys.argv[1])"
 )
 _FAILED = "failed: "
 

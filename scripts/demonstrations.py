@@ -1,4 +1,4 @@
-"""Scripted demonstrations as JSON Lines: ``python -m tril.exchange.demonstrations column-1``."""
+"""Scripted demonstrations as JSON Lines: ``python -m scripts.demonstrations column-1``."""
 
 import argparse
 import json

@@ -18,7 +18,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional as F
 
-from trainer.games.space_invaders.foresight import N_HITS, N_OUTCOMES, Lookahead
+from scripts.pretraining.foresight import N_HITS, N_OUTCOMES, Lookahead
 from trainer.nn.screens import channels_last_screens, take_screens
 from tril.demonstrators.space_invaders.varied_play import play_varied
 from tril.games.base import Console

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tril.demonstrators.space_invaders.varied_play import (
+from scripts.pretraining.low_rows import (
     MAX_ROW_HITS,
     MAX_ROWS,
     MIN_ROW_HITS,

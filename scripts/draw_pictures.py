@@ -1,4 +1,4 @@
-"""Draw the pictures of all games: ``python -m server.draw_pictures``."""
+"""Draw the pictures of all games: ``python -m scripts.draw_pictures``."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """What the console itself tells of every game: where play begins, and what shows score and lives.
 
-    python -m tril.games.atari.survey            # writes catalogue.json, about 15 minutes
-    python -m tril.games.atari.survey pong       # prints one game's entry
+    python -m scripts.surveys.atari              # writes catalogue.json, about 15 minutes
+    python -m scripts.surveys.atari pong         # prints one game's entry
 
 No game is known here. Play begins at the first frame at which a key makes a difference on the
 screen. A byte of memory that changes hardly ever but when the game pays is part of the score; the

@@ -1,1 +1,0 @@
-"""What of a game is read off screens, with answers that its memory gives."""
