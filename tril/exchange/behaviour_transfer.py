@@ -5,6 +5,7 @@ See docs/behaviour-format.md.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -22,6 +23,8 @@ from tril.exchange.formats.behaviour_file import (
     parse_behaviour,
 )
 from tril.exchange.formats.recording_file import ImportedRecording, load_recording
+from tril.exchange.formats.recording_object import RecordingObject
+from tril.exchange.formats.run_file import TaughtBehaviour
 from tril.exchange.recording_transfer import dump_row
 from tril.games import game_of
 from tril.games.base import Cell
@@ -91,13 +94,7 @@ def export_behaviour(session: Session, behaviour: BehaviourRow) -> tuple[dict[st
         "format": BEHAVIOUR_FORMAT,
         "version": BEHAVIOUR_VERSION,
         "game": about.game,
-        "slug": about.slug,
-        "name": about.name,
-        "description": about.description,
-        "target": None if about.target is None else [list(cell) for cell in about.target],
-        "ordered": about.ordered,
-        "settings": about.settings.to_json(),
-        "measures": [measure.to_json() for measure in about.measures],
+        **describe(about),
         "recordings": [
             _numbered(row, recording_ids, names)
             if row.behaviour_id == behaviour.id and row.run_id is None
@@ -129,20 +126,11 @@ def import_behaviour(
         Conflict: There are too many behaviours.
     """
     behaviour = parse_behaviour(content)
-    settings, measures = _check_game(behaviour)
-    replayed = _replayed(behaviour)
+    measures = _check_game(behaviour)
+    numbered = ((game.number, game.recording) for game in behaviour.recordings)
+    replayed = replay_all(numbered, BehaviourRefused)
     with database.writing() as session:
-        empty = None if name is not None else _empty_built_in(session, behaviour, settings)
-        row = empty or behaviours.create(
-            session,
-            name or behaviours.free_name(session, behaviour.name),
-            behaviour.description,
-            _target(behaviour),
-            behaviour.ordered,
-            game=behaviour.game,
-            settings=settings,
-            measures=measures,
-        )
+        row, was_there = add_behaviour(session, behaviour, behaviour.game, name)
         row.measures = [measure.to_json() for measure in measures]
         ids = _add_recordings(session, row.id, behaviour, replayed)
         revisions = [_ranking_row(session, row.id, saved, ids) for saved in behaviour.rankings]
@@ -154,7 +142,92 @@ def import_behaviour(
             for number, recording in replayed.items()
             for notice in recording.notices
         ]
-        return BehaviourImportResult(row.slug, empty is not None, len(ids), len(revisions), notices)
+        return BehaviourImportResult(row.slug, was_there, len(ids), len(revisions), notices)
+
+
+def describe(behaviour: Behaviour) -> dict[str, Any]:
+    """Return what files say of a behaviour, ready for JSON."""
+    return {
+        "slug": behaviour.slug,
+        "name": behaviour.name,
+        "description": behaviour.description,
+        "target": None if behaviour.target is None else [list(cell) for cell in behaviour.target],
+        "ordered": behaviour.ordered,
+        "settings": behaviour.settings.to_json(),
+        "measures": [measure.to_json() for measure in behaviour.measures],
+    }
+
+
+def target_of(described: BehaviourObject | TaughtBehaviour) -> tuple[Cell, ...] | None:
+    """Return the target cells that a file names."""
+    return None if described.target is None else tuple((r, c) for r, c in described.target)
+
+
+def add_behaviour(
+    session: Session, described: BehaviourObject | TaughtBehaviour, game: str, name: str | None
+) -> tuple[BehaviourRow, bool]:
+    """Return a behaviour for what a file has: the built-in one if it is empty, else a new one.
+
+    Args:
+        session: The transaction.
+        described: The behaviour as the file describes it.
+        game: Name of its game.
+        name: Name of a new behaviour, which is then made in any case; None for the file's, with a
+            number if there is one of that name.
+
+    Returns:
+        The behaviour, and whether it was there.
+
+    Raises:
+        Invalid: Target, settings or measures are invalid.
+        NameTaken: There is a behaviour of the name that was asked for.
+        Conflict: There are too many behaviours.
+    """
+    target, settings = target_of(described), GameSettings.from_json(described.settings)
+    identity = (described.slug, target, described.ordered, settings)
+    for row in behaviours.listing(session) if name is None else ():
+        present = behaviours.as_behaviour(row)
+        is_same = identity == (present.slug, present.target, present.ordered, present.settings)
+        if row.built_in and is_same and _is_empty(session, row.id):
+            return row, True
+    created = behaviours.create(
+        session,
+        name or behaviours.free_name(session, described.name),
+        described.description,
+        target,
+        described.ordered,
+        game=game,
+        settings=settings,
+        measures=measures_from_json(described.measures),
+    )
+    return created, False
+
+
+def _is_empty(session: Session, behaviour_id: int) -> bool:
+    is_ranked = rankings.current(session, behaviour_id).revision > 0
+    return not is_ranked and not recordings.has_any(session, behaviour_id)
+
+
+def replay_all(
+    numbered: Iterable[tuple[int, RecordingObject]], refused: type[Invalid]
+) -> dict[int, ImportedRecording]:
+    """Replay the recordings of a file; return them by their numbers in it.
+
+    Args:
+        numbered: Number and recording of each.
+        refused: Raised if one does not replay to what the file says.
+    """
+    consoles = Consoles()
+    replayed = {}
+    for number, recording in numbered:
+        try:
+            content = recording.model_dump(mode="json", exclude_none=True)
+            replayed[number] = load_recording(content, consoles)
+        except RecordingRefused as refusal:
+            raise refused(
+                f"Nothing was imported. Recording {number} was refused: {refusal}"
+            ) from refusal
+    return replayed
 
 
 def _numbered(row: RecordingRow, recording_ids: set[int], names: dict[int, str]) -> dict[str, Any]:
@@ -226,12 +299,8 @@ def _answer_row(session: Session, behaviour_id: int, answer: AnswerObject) -> St
     )
 
 
-def _target(behaviour: BehaviourObject) -> tuple[Cell, ...] | None:
-    return None if behaviour.target is None else tuple((r, c) for r, c in behaviour.target)
-
-
-def _check_game(behaviour_file: BehaviourObject) -> tuple[GameSettings, tuple[Measure, ...]]:
-    """Check that the behaviour's game is here and has what it sets, targets and measures."""
+def _check_game(behaviour_file: BehaviourObject) -> tuple[Measure, ...]:
+    """Check that the behaviour's game is here and has what it sets and targets; return measures."""
     for numbered in behaviour_file.recordings:
         if numbered.recording.game != behaviour_file.game:
             raise BehaviourRefused(
@@ -239,17 +308,15 @@ def _check_game(behaviour_file: BehaviourObject) -> tuple[GameSettings, tuple[Me
                 f" {behaviour_file.game}."
             )
     try:
-        settings = GameSettings.from_json(behaviour_file.settings)
         measures = measures_from_json(behaviour_file.measures)
-        target = _target(behaviour_file)
         behaviour = Behaviour(
             behaviour_file.slug,
             behaviour_file.name,
             "",
             behaviour_file.game,
-            target,
+            target_of(behaviour_file),
             behaviour_file.ordered,
-            settings,
+            GameSettings.from_json(behaviour_file.settings),
             measures,
         )
         game = game_of(behaviour)
@@ -257,38 +324,7 @@ def _check_game(behaviour_file: BehaviourObject) -> tuple[GameSettings, tuple[Me
         check_measures(game, measures)
     except (Invalid, NotFound) as refusal:
         raise BehaviourRefused(str(refusal)) from refusal
-    return settings, measures
-
-
-def _replayed(behaviour: BehaviourObject) -> dict[int, ImportedRecording]:
-    consoles = Consoles()
-    replayed: dict[int, ImportedRecording] = {}
-    for numbered in behaviour.recordings:
-        try:
-            content = numbered.recording.model_dump(mode="json", exclude_none=True)
-            replayed[numbered.number] = load_recording(content, consoles)
-        except RecordingRefused as refusal:
-            raise BehaviourRefused(
-                f"Nothing was imported. Recording {numbered.number} was refused: {refusal}"
-            ) from refusal
-    return replayed
-
-
-def _empty_built_in(
-    session: Session, behaviour_file: BehaviourObject, settings: GameSettings
-) -> BehaviourRow | None:
-    for row in behaviours.listing(session):
-        if not row.built_in or row.slug != behaviour_file.slug:
-            continue
-        present = behaviours.as_behaviour(row)
-        is_same = (present.target, present.ordered, present.settings) == (
-            _target(behaviour_file),
-            behaviour_file.ordered,
-            settings,
-        )
-        is_empty = not recordings.has_any(session, row.id) and not rankings.history(session, row.id)
-        return row if is_same and is_empty else None
-    return None
+    return measures
 
 
 def _ranking_row(

@@ -19,7 +19,8 @@ from tril.analysis.outcome import (
     RunSnapshot,
 )
 from tril.demonstrators import kind_named
-from tril.exchange.formats.recording_file import as_recording, load_recording
+from tril.exchange.behaviour_transfer import add_behaviour, describe, replay_all
+from tril.exchange.formats.recording_file import as_recording
 from tril.exchange.formats.recording_object import RecordingObject
 from tril.exchange.formats.run_file import (
     RUN_FORMAT,
@@ -34,12 +35,9 @@ from tril.exchange.formats.run_file import (
 from tril.exchange.run_archive import NETWORKS, PICTURES, RunArchive, picture_name
 from tril.files.artifact_store import ArtifactStore
 from tril.games.base import Taken
-from tril.games.behaviours import Behaviour, score
-from tril.games.measures import measures_from_json
-from tril.games.settings import GameSettings
-from tril.play.consoles import Consoles
+from tril.games.behaviours import score
 from tril.recipes import checked, recipe_from_dict
-from tril.recording import Recording, RecordingRefused, Replay
+from tril.recording import Recording, Replay
 from tril.stages import Stage
 from tril.store import audit, behaviours, rankings, recordings
 from tril.store.changes import note_change
@@ -121,7 +119,7 @@ def export_run(session: Session, run_id: str) -> ExportedRun:
         id=row.id,
         name=row.name,
         notes=row.notes,
-        behaviour=_taught(taught),
+        behaviour=TaughtBehaviour(**describe(taught)),
         recipe=row.recipe,
         steps=row.steps,
         training_seed=row.training_seed,
@@ -161,18 +159,6 @@ def export_run(session: Session, run_id: str) -> ExportedRun:
         ],
     )
     return ExportedRun(run, ranked, unranked, games)
-
-
-def _taught(behaviour: Behaviour) -> TaughtBehaviour:
-    return TaughtBehaviour(
-        slug=behaviour.slug,
-        name=behaviour.name,
-        description=behaviour.description,
-        target=None if behaviour.target is None else [list(cell) for cell in behaviour.target],
-        ordered=behaviour.ordered,
-        settings=behaviour.settings.to_json(),
-        measures=[measure.to_json() for measure in behaviour.measures],
-    )
 
 
 def _points(session: Session, run_id: str) -> list[CurvePoint]:
@@ -235,7 +221,16 @@ def import_run(
     if len(recipe.name) > MAX_RECIPE_NAME:
         raise RunRefused("The name of the run's recipe is too long.")
     kind_named(run.example_kind)
-    replayed = recorded(archive) if trusted else _replayed(archive)
+    if trusted:
+        replayed = recorded(archive)
+    else:
+        numbered = (
+            (game.number, played) for game, played in (*archive.demonstrations, *archive.games)
+        )
+        replayed = {
+            number: (imported.recording, imported.replay)
+            for number, imported in replay_all(numbered, RunRefused).items()
+        }
     remove_unfinished_imports(store)
     folder = f"{UNFINISHED}/{datetime.now(UTC):{_MOMENT}}-{secrets.token_hex(8)}"
     try:
@@ -247,7 +242,8 @@ def import_run(
                 return imported
             # Nobody else moves files there before this transaction ends.
             store.move_folder(folder, artifacts.folder_of(run.id))
-            behaviour = _behaviour(session, run, name)
+            new_name = name and behaviours.free_name(session, name)
+            behaviour, _ = add_behaviour(session, run.behaviour, run.game, new_name)
             ids = {
                 game.number: _add(
                     session,
@@ -344,22 +340,6 @@ def recorded(archive: RunArchive) -> dict[int, tuple[Recording, Replay]]:
     return recordings
 
 
-def _replayed(archive: RunArchive) -> dict[int, tuple[Recording, Replay]]:
-    consoles = Consoles()
-    recordings = {}
-    for game, recording_object in (*archive.demonstrations, *archive.games):
-        try:
-            imported = load_recording(
-                recording_object.model_dump(mode="json", exclude_none=True), consoles
-            )
-        except RecordingRefused as refusal:
-            raise RunRefused(
-                f"Nothing was imported. Recording {game.number} was refused: {refusal}"
-            ) from refusal
-        recordings[game.number] = (imported.recording, imported.replay)
-    return recordings
-
-
 def _put_files(
     store: ArtifactStore, archive: RunArchive, folder: str
 ) -> dict[str, tuple[str, int, str]]:
@@ -376,39 +356,6 @@ def _put_files(
         size = store.put(f"{folder}/{plain}", content)
         written[key] = (plain, size, artifacts.digest(content))
     return written
-
-
-def _behaviour(session: Session, run: RunObject, name: str | None) -> BehaviourRow:
-    behaviour = run.behaviour
-    target = None if behaviour.target is None else tuple((r, c) for r, c in behaviour.target)
-    settings = GameSettings.from_json(behaviour.settings)
-    if name is None:
-        for row in behaviours.listing(session):
-            present = behaviours.as_behaviour(row)
-            is_same = (present.slug, present.target, present.ordered, present.settings) == (
-                behaviour.slug,
-                target,
-                behaviour.ordered,
-                settings,
-            )
-            if row.built_in and is_same and _is_empty(session, row.id):
-                return row
-    free = behaviours.free_name(session, name or behaviour.name)
-    return behaviours.create(
-        session,
-        free,
-        behaviour.description,
-        target,
-        behaviour.ordered,
-        game=run.game,
-        settings=settings,
-        measures=measures_from_json(behaviour.measures),
-    )
-
-
-def _is_empty(session: Session, behaviour_id: int) -> bool:
-    ranked = rankings.current(session, behaviour_id).revision > 0
-    return not ranked and not recordings.has_any(session, behaviour_id)
 
 
 def _add(
