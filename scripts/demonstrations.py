@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tril.demonstrators import N_PERFECT, Demonstration, make_example
+from tril.demonstrators import N_PERFECT, Demonstration, example_tasks, execute
 from tril.exchange.formats.recording_file import dump_recording
 from tril.games import published
 
@@ -41,8 +41,8 @@ def main() -> None:
     parser.add_argument("--processes", type=int, default=1)
     chosen = parser.parse_args()
     rng = np.random.default_rng(chosen.seed)
-    example = make_example(behaviours[chosen.behaviour], rng, chosen.perfect, chosen.processes)
-    for demonstration in example:
+    tasks = example_tasks(behaviours[chosen.behaviour], rng, chosen.perfect)
+    for demonstration in execute(tasks, chosen.processes):
         sys.stdout.write(json.dumps(demonstration_object(demonstration)) + "\n")
         sys.stdout.flush()
 

@@ -29,7 +29,7 @@ from trainer.progress import NullProgress
 from trainer.reward.model import RewardModel
 from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
 from trainer.reward.reward_trainer import train_reward_model
-from tril.demonstrators.example import make_example
+from tril.demonstrators.example import example_tasks, execute
 from tril.games.behaviours import Behaviour
 from tril.games.space_invaders import SPACE_INVADERS
 from tril.games.space_invaders.behaviours import BUILT_IN
@@ -81,7 +81,7 @@ def learned(
 ) -> tuple[RewardModel, list[Trajectory]]:
     """Return a reward model of a behaviour's scripted example, and its ranked games."""
     recipe = with_values(RECIPES["fast"], {"reward.updates": updates}).reward
-    shown = list(make_example(behaviour, np.random.default_rng(0)))
+    shown = list(execute(example_tasks(behaviour, np.random.default_rng(0))))
     console = SPACE_INVADERS.make_console()
     ranked = sorted((d for d in shown if not d.perfect), key=lambda d: d.plan.number)
     games = [trajectory(d.recording, console) for d in ranked]

@@ -18,7 +18,7 @@ from trainer.policy.cloning import train_clone
 from trainer.policy.evaluation import play
 from trainer.policy.networks import SIZES, Policy
 from trainer.progress import NullProgress
-from tril.demonstrators.example import make_example
+from tril.demonstrators.example import example_tasks, execute
 from tril.games.behaviours import Behaviour, score
 from tril.games.space_invaders import SPACE_INVADERS
 from tril.games.space_invaders.behaviours import BUILT_IN
@@ -63,7 +63,7 @@ def main() -> None:
     print("behaviour network   held out  targets strays  lost  sampled: targets strays  lost")
     for slug in arguments.behaviour or list(behaviours):
         rng = np.random.default_rng(arguments.training_seed)
-        example = make_example(behaviours[slug], rng)
+        example = execute(example_tasks(behaviours[slug], rng))
         shown = [trajectory(one.recording, console) for one in example if one.perfect]
         for network in sorted(SIZES):
             one = judge_clone(behaviours[slug], shown, network, arguments.training_seed)

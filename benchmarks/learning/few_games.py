@@ -32,7 +32,7 @@ from tril.analysis.wanted_aliens import (
     log_prior,
     pair_weights,
 )
-from tril.demonstrators import kind_named, make_example
+from tril.demonstrators import example_tasks, execute, kind_named
 from tril.demonstrators.judging import swap_neighbours
 from tril.games.base import Console
 from tril.games.behaviours import Behaviour
@@ -83,7 +83,7 @@ def make(behaviour: Behaviour, kind_name: str, seed: int, console: Console) -> E
     """Play an example."""
     kind = kind_named(kind_name)
     rng = np.random.default_rng(seed)
-    shown = list(make_example(behaviour, rng, kind=kind))
+    shown = list(execute(example_tasks(behaviour, rng, kind=kind)))
     games = [seen(one.recording, console)(behaviour) for one in shown]
     n_ranked = sum(not one.perfect for one in shown)
     true = order(games[:n_ranked])

@@ -25,7 +25,7 @@ import numpy as np
 
 from tril.analysis.opinions import Opinion, form_opinions
 from tril.analysis.wanted_aliens import Hits
-from tril.demonstrators import kind_named, make_example, play_randomly
+from tril.demonstrators import example_tasks, execute, kind_named, play_randomly
 from tril.demonstrators.judging import merit, swap_neighbours
 from tril.games.base import Console
 from tril.games.behaviours import Behaviour
@@ -64,7 +64,7 @@ def seen(recording: Recording, console: Console) -> Callable[[Behaviour], Game]:
 def shown(behaviour: Behaviour, kind: str, seed: int, console: Console) -> list[Game]:
     """Play the twelve games of an example."""
     rng = np.random.default_rng(seed)
-    made = make_example(behaviour, rng, n_perfect=0, kind=kind_named(kind))
+    made = execute(example_tasks(behaviour, rng, n_perfect=0, kind=kind_named(kind)))
     return [seen(one.recording, console)(behaviour) for one in made]
 
 

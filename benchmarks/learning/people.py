@@ -56,7 +56,7 @@ from trainer.reward.model import RewardModel
 from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
 from trainer.reward.pretraining import read_features
 from trainer.reward.reward_trainer import train_reward_model
-from tril.demonstrators import kind_named, make_example
+from tril.demonstrators import example_tasks, execute, kind_named
 from tril.demonstrators.judging import merit, swap_neighbours
 from tril.demonstrators.random_play import play_randomly
 from tril.demonstrators.space_invaders.varied_play import play_varied
@@ -209,7 +209,7 @@ class UnseenGames:
         self._console = console
         self._own, self._varied = Ranked(behaviour), Ranked(behaviour)
         for kind in ("scripted", "person-150"):
-            for one in make_example(behaviour, rng, n_perfect=1, kind=kind_named(kind)):
+            for one in execute(example_tasks(behaviour, rng, 1, kind_named(kind))):
                 self._own.add(one.recording, console)
         self._clean = [
             index
@@ -346,7 +346,9 @@ class Lesson:
         """Show games that are planned; return how many mistakes there are in their order."""
         kind = kind_named(self.arguments.demonstrations)
         best_efforts = []
-        for one in make_example(self.behaviour, np.random.default_rng(self.seed), kind=kind):
+        for one in execute(
+            example_tasks(self.behaviour, np.random.default_rng(self.seed), kind=kind)
+        ):
             if one.perfect:
                 best_efforts.append(one.recording)
             else:
@@ -387,7 +389,7 @@ class Lesson:
     def _scored_games(self) -> Ranked:
         rng = np.random.default_rng([self.seed, 1_000_081])
         games = Ranked(self.behaviour)
-        for one in make_example(self.behaviour, rng, n_perfect=12):
+        for one in execute(example_tasks(self.behaviour, rng, n_perfect=12)):
             games.add(one.recording, self.console)
         for _ in range(N_SCORED):
             games.add(play_varied(rng, self.console).recording, self.console)

@@ -20,7 +20,7 @@ from trainer.progress import NullProgress
 from trainer.reward.check import check_ranking
 from trainer.reward.preference_dataset import PerfectDemonstrations, PreferenceDataset
 from trainer.reward.reward_trainer import train_reward_model
-from tril.demonstrators.example import make_example
+from tril.demonstrators.example import example_tasks, execute
 from tril.games.space_invaders import SPACE_INVADERS
 from tril.games.space_invaders.behaviours import BUILT_IN
 from tril.recipes import RECIPES
@@ -44,7 +44,8 @@ def main() -> None:
     parser.add_argument("--recipe", choices=list(RECIPES), default="fast")
     arguments = parser.parse_args()
     recipe = RECIPES[arguments.recipe].reward
-    shown = list(make_example(behaviours[arguments.behaviour], np.random.default_rng(0)))
+    tasks = example_tasks(behaviours[arguments.behaviour], np.random.default_rng(0))
+    shown = list(execute(tasks))
     console = SPACE_INVADERS.make_console()
     ranked = sorted((d for d in shown if not d.perfect), key=lambda d: d.plan.number)
     trajectories = [trajectory(d.recording, console) for d in ranked]

@@ -21,6 +21,7 @@ import ale_py
 import numpy as np
 
 from tril.cores import core_count
+from tril.games.atari.catalogue import rom_path
 from tril.games.space_invaders import SPACE_INVADERS
 from tril.games.space_invaders import memory as game
 from tril.play.vector.vector_game import TrainingStarts, VectorGame
@@ -31,7 +32,7 @@ def raw_process(connection: Connection, seed: int) -> None:
     ale_py.ALEInterface.setLoggerMode(ale_py.LoggerMode.Error)
     ale = ale_py.ALEInterface()
     ale.setFloat("repeat_action_probability", 0.0)
-    ale.loadROM(game.rom_path())
+    ale.loadROM(rom_path(game.GAME))
     ale.reset_game()
     actions = ale.getMinimalActionSet()
     for _ in range(game.INTRO_FRAMES):

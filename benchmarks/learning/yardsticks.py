@@ -21,7 +21,7 @@ import numpy as np
 
 from benchmarks.learning.expert import Expert
 from testsupport.space_invaders import idle_frames
-from tril.demonstrators.example import make_example
+from tril.demonstrators.example import example_tasks, execute
 from tril.games.atari.starts import EVALUATION_START_COUNT
 from tril.games.behaviours import Behaviour, score
 from tril.games.space_invaders import SPACE_INVADERS
@@ -76,7 +76,8 @@ def scripted(behaviour: Behaviour) -> Callable[[int], Player]:
 
 def tape(behaviour: Behaviour) -> Callable[[int], Player]:
     """Return the player that replays the perfect demonstration of the nearest start."""
-    shown = [one for one in make_example(behaviour, np.random.default_rng(0)) if one.perfect]
+    tasks = example_tasks(behaviour, np.random.default_rng(0))
+    shown = [one for one in execute(tasks) if one.perfect]
     starts = np.array([idle_frames(one.recording.start) for one in shown])
     tapes = [step_actions(one.recording.actions, 4) for one in shown]
 

@@ -8,7 +8,6 @@ from tril.demonstrators.example import (
     demonstrate,
     example_tasks,
     execute,
-    make_example,
 )
 from tril.demonstrators.judging import Judgement, PlannedGame, rank_example
 from tril.demonstrators.kinds import KINDS, SCRIPTED, ExampleKind, kind_named
@@ -44,7 +43,6 @@ __all__ = [
     "example_tasks",
     "execute",
     "kind_named",
-    "make_example",
     "match_plans",
     "plan_violation",
     "play_randomly",

@@ -198,37 +198,14 @@ def example_tasks(
     ]
 
 
-def make_example(
-    behaviour: Behaviour,
-    rng: np.random.Generator,
-    n_perfect: int = N_PERFECT,
-    n_processes: int = 1,
-    kind: ExampleKind = SCRIPTED,
-) -> Iterator[Demonstration]:
-    """Make an example of a behaviour: the demonstrations to rank, then perfect ones.
+def execute(tasks: Sequence[DemonstrationTask], n_processes: int = 1) -> Iterator[Demonstration]:
+    """Execute tasks, in this process or in others, and yield the demonstrations in order.
 
-    The result depends on the generator alone, not on the number of processes. Closing the iterator
-    ends the work.
-
-    Args:
-        behaviour: Behaviour to demonstrate.
-        rng: Source of the starts and the player's seeds.
-        n_perfect: Number of perfect demonstrations.
-        n_processes: Processes to play in; 1 plays in this one.
-        kind: The kind of example.
-
-    Yields:
-        The demonstrations, the best plan first.
+    The result does not depend on the number of processes. Closing the iterator ends the work.
 
     Raises:
-        Invalid: The demonstrator can't show this behaviour.
         DemonstrationFailed: No game fulfilled a plan.
     """
-    yield from execute(example_tasks(behaviour, rng, n_perfect, kind), n_processes)
-
-
-def execute(tasks: Sequence[DemonstrationTask], n_processes: int = 1) -> Iterator[Demonstration]:
-    """Execute tasks, in this process or in others, and yield the demonstrations in order."""
     pool = None if n_processes == 1 else _pool(n_processes)
     if pool is None:
         yield from map(_execute, tasks)

@@ -17,7 +17,6 @@ from tril.demonstrators import (
     example_plans,
     example_tasks,
     execute,
-    make_example,
     rule_violation,
 )
 from tril.demonstrators.space_invaders.plans import draw_hits
@@ -261,7 +260,7 @@ def test_the_same_generator_gives_the_same_games_and_another_gives_others(
 
 
 def test_an_example_can_be_stopped_between_two_demonstrations() -> None:
-    example = make_example(BY_SLUG["row-1"], np.random.default_rng(0), n_processes=2)
+    example = execute(example_tasks(BY_SLUG["row-1"], np.random.default_rng(0)), n_processes=2)
     assert next(example).plan.number == 1
     example.close()  # type: ignore[attr-defined]
     assert multiprocessing.active_children() == []

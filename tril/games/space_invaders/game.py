@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
+from tril.games.atari.catalogue import rom_md5, rom_path
 from tril.games.atari.console import AtariConsole, Intro
 from tril.games.atari.palette import PIXEL_ASPECT, palette_grayscale, palette_rgb
 from tril.games.atari.starts import AtariStarts, Legs
@@ -28,7 +27,7 @@ from tril.games.things import Absence, Axis, Thing
 
 
 def _console(game: Game, start_cache: StartCache) -> AtariConsole:
-    return AtariConsole(game, Path(facts.rom_path()), Intro(facts.INTRO_FRAMES), start_cache)
+    return AtariConsole(game, rom_path(facts.GAME), Intro(facts.INTRO_FRAMES), start_cache)
 
 
 _LEFT, _RIGHT, _FIRE = 1, 2, 4
@@ -47,7 +46,7 @@ THINGS = {
 SPACE_INVADERS = Game(
     name="space_invaders",
     title="Space Invaders",
-    version=facts.rom_md5(),
+    version=rom_md5(facts.GAME),
     clock=Clock(facts.FRAME_RATE_HZ, facts.FRAMES_PER_STEP, facts.MAX_STEPS),
     controls=Controls(
         actions=tuple(action.name for action in Action),

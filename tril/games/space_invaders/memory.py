@@ -5,12 +5,7 @@ tests. Rows count from 0 at the bottom and columns from 0 at the left in all cod
 them from 1.
 """
 
-import hashlib
 from enum import IntEnum
-from functools import cache
-from pathlib import Path
-
-from ale_py import roms
 
 GAME = "space_invaders"
 """Name of the game in recordings, and of its ROM in ale_py."""
@@ -131,17 +126,3 @@ CANNON_EDGES = ((-1, 7), (0, 14))
 player x was a frame before."""
 SHIELDS = ((42, 50), (74, 82), (106, 114))
 """First and last x of the three shields; they stop missiles until they are worn through."""
-
-
-@cache
-def rom_path() -> str:
-    """Return the path of the ROM that comes with ale_py."""
-    # Not get_rom_path, which looks where ALE_ROMS_DIR says and prints that.
-    return str(Path(roms.__file__).with_name(f"{GAME}.bin"))
-
-
-@cache
-def rom_md5() -> str:
-    """Return the MD5 of the ROM in hexadecimal; recordings replay on this ROM only."""
-    with open(rom_path(), "rb") as rom:
-        return hashlib.md5(rom.read(), usedforsecurity=False).hexdigest()

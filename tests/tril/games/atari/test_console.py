@@ -3,9 +3,10 @@ import pytest
 
 from tests.tril.conftest import random_actions
 from testsupport.space_invaders import grayscale, new_console, ram, rgb
+from tril.games.atari.catalogue import rom_md5
 from tril.games.atari.console import AtariConsole
 from tril.games.atari.starts import AtariStart
-from tril.games.space_invaders.memory import INTRO_FRAMES, RAM_PHASE, Action, rom_md5
+from tril.games.space_invaders.memory import INTRO_FRAMES, RAM_PHASE, Action
 
 FRAMES = 300
 
@@ -158,4 +159,4 @@ def test_the_ram_hash_tells_states_apart_and_is_short(console: AtariConsole) -> 
 
 
 def test_the_rom_is_the_one_that_recordings_name() -> None:
-    assert rom_md5() == "72ffbef6504b75e69ee1045af9075f66"
+    assert rom_md5("space_invaders") == "72ffbef6504b75e69ee1045af9075f66"
