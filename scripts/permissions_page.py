@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Iterator, Mapping
+from typing import Any
 
+from server.app import create_app
 from server.web.permissions import (
+    NEEDS,
     OPERATIONS,
-    PARTICIPANTS_FIELDS,
     RESEARCHERS_FIELDS,
     RESEARCHERS_MEMBERS,
     Need,
 )
+from tril.settings import Settings
 
 _WHO = {
     Need.NOTHING: "anybody",
@@ -23,6 +27,44 @@ _WHO = {
     Need.OWNER: "the owner",
     Need.WORKER: "keys of workers",
 }
+
+
+_FOR_RESEARCHERS = {Need.RESEARCHER, Need.OWNER, Need.WORKER}
+
+
+def participants_fields() -> dict[str, list[str]]:
+    """Return the fields of each response that participants read, by its schema."""
+    description = create_app(Settings.model_construct()).openapi()
+    schemas = description["components"]["schemas"]
+    responses = (
+        response
+        for operations in description["paths"].values()
+        for operation in operations.values()
+        if NEEDS[operation["operationId"]] not in _FOR_RESEARCHERS
+        for code, response in operation["responses"].items()
+        if code.startswith("2")
+    )
+    names = {name for response in responses for name in _schemas_within(response, schemas)}
+    return {name: list(fields) for name in sorted(names) if (fields := _shown(name, schemas))}
+
+
+def _shown(name: str, schemas: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the fields of a schema that participants read."""
+    fields = schemas[name].get("properties", {})
+    hidden = RESEARCHERS_FIELDS.get(name, {})
+    assert hidden.keys() <= fields.keys(), f"RESEARCHERS_FIELDS: {name} lacks some of {[*hidden]}"
+    return {field: value for field, value in fields.items() if field not in hidden}
+
+
+def _schemas_within(part: Any, schemas: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the names of the schemas that a part of the API's description leads to."""
+    if isinstance(part, dict):
+        if name := str(part.get("$ref", "")).rpartition("/")[2]:
+            yield name
+            yield from _schemas_within(_shown(name, schemas), schemas)
+        part = list(part.values())
+    for inner in part if isinstance(part, list) else ():
+        yield from _schemas_within(inner, schemas)
 
 
 def page() -> str:
@@ -70,7 +112,7 @@ def page() -> str:
     ]
     lines += [
         f"| `{schema}` | {', '.join(f'`{name}`' for name in fields)} |"
-        for schema, fields in PARTICIPANTS_FIELDS.items()
+        for schema, fields in participants_fields().items()
     ]
     return "\n".join([*lines, ""])
 
