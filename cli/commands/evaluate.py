@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from typing import Annotated, Any
 
 import typer
@@ -11,7 +10,7 @@ from rich.table import Table
 from cli.output import JsonOption, console, print_json
 from cli.progress import progress_bar
 from cli.workspace import Workspace, open_workspace
-from tril.analysis.summary import GameFigures, summarise
+from tril.analysis.summary import GameFigures, Policy, summarise
 from tril.errors import Invalid
 from tril.files.artifact_store import ArtifactStore
 from tril.games import game_of
@@ -20,29 +19,15 @@ from tril.games.behaviours import Behaviour, score
 from tril.recipes import recipe_from_dict
 from tril.store import behaviours
 from tril.store.training import artifacts, runs
-
-
-class Policy(StrEnum):
-    """A policy of a run."""
-
-    IMITATOR = "imitator"
-    CLONE = "clone"
-
-
-class ActionSelection(StrEnum):
-    """How a policy selects actions."""
-
-    GREEDY = "greedy"
-    SAMPLED = "sampled"
-    STICKY = "sticky"
+from tril.store.training.evaluations import ActionSelection
 
 
 def evaluate(
     run_id: Annotated[str, typer.Argument(help="A run with trained policies.")],
-    policy: Annotated[Policy, typer.Option(help="The policy to evaluate.")] = Policy.IMITATOR,
+    policy: Annotated[Policy, typer.Option(help="The policy to evaluate.")] = "imitator",
     action_selection: Annotated[
         ActionSelection, typer.Option(help="How the policy selects actions.")
-    ] = ActionSelection.GREEDY,
+    ] = "greedy",
     starts: Annotated[str, typer.Option(help="Evaluation starts, e.g. 0,1,2 or 0-31.")] = "0-22",
     sticky: Annotated[
         float | None,
@@ -114,7 +99,7 @@ def _play(
             game,
             actor,
             beginnings(game, recipe.evaluation, numbers),
-            action_selection.value,
+            action_selection,
             model=model,
             end_rule=recipe.ending,
             sampling_seed=sampling_seed,

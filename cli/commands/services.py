@@ -6,8 +6,7 @@ import ssl
 import urllib.error
 import urllib.request
 from dataclasses import asdict
-from enum import StrEnum
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -20,13 +19,8 @@ from tril.settings import Settings
 from tril.store import processes
 from tril.store.access import credentials
 
-
-class Service(StrEnum):
-    """A process whose health can be checked."""
-
-    SERVER = "server"
-    WORKER = "worker"
-    INFERENCE = "inference"
+Service = Literal["server", "worker", "inference"]
+"""A process whose health can be checked."""
 
 
 def serve(
@@ -130,9 +124,9 @@ def health(service: Service) -> None:
     """Check a process of this data folder; exit with status 0 if it is healthy, else 1."""
     with readable_errors():
         settings = read_settings()
-        if service is Service.SERVER:
+        if service == "server":
             ask_server(settings)
-        elif service is Service.INFERENCE:
+        elif service == "inference":
             ask_inference(settings)
         else:
             ask_worker(settings)
