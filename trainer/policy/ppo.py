@@ -18,6 +18,7 @@ import numpy.typing as npt
 import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.vec_env import VecEnv
 from torch import Tensor
 from torch.nn import functional as F
@@ -126,6 +127,8 @@ class ImitationPPO(PPO):
             device=device,
             _init_setup_model=False,
         )
+        # The default logger leaves a folder in the system's temporary folder.
+        self.set_logger(Logger(folder=None, output_formats=[]))
         with torch_seeded(generators.weights):
             self._setup_model()
         channels_last(self.policy)

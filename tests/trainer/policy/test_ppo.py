@@ -1,6 +1,8 @@
+import tempfile
 from collections.abc import Iterator
 from copy import deepcopy
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -240,6 +242,14 @@ def test_actions_are_as_likely_in_the_update_as_in_the_rollout(env: TrilVecEnv) 
     ppo.learn(16, log_interval=None)  # type: ignore[arg-type]
     assert ppo.update_metrics["kl"] == pytest.approx(0.0, abs=1e-5)
     assert ppo.update_metrics["clip_fraction"] == 0.0
+
+
+def test_a_training_leaves_nothing_in_the_temporary_folder(
+    env: TrilVecEnv, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    make_ppo(env).learn(1)
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("precision", Precision)
