@@ -5,12 +5,14 @@ from __future__ import annotations
 import io
 import os
 import sys
+from typing import Annotated
 
 import typer
 from typer import rich_utils
 
 from cli.lazy import lazy_group
 from cli.terminal import PlainConsole
+from tril import __version__
 from tril.files.private import UMASK
 
 # Typer's errors quote arguments, such as the names of files.
@@ -84,8 +86,20 @@ app = typer.Typer(
 )
 
 
+def print_version(wanted: bool) -> None:
+    """Print the version and exit, if it is wanted."""
+    if wanted:
+        typer.echo(f"tril {__version__}")
+        raise typer.Exit
+
+
 @app.callback()
-def keep_private() -> None:
+def keep_private(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=print_version, is_eager=True, help="Print the version."),
+    ] = False,
+) -> None:
     """Teach a game agent by playing and ranking, without writing a reward function."""
     os.umask(UMASK)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from importlib.metadata import version
 
 import pytest
 import typer
@@ -68,3 +69,10 @@ def test_the_help_imports_nothing_of_what_commands_need() -> None:
     imported = {line.rpartition("|")[2].strip() for line in told.stderr.splitlines()}
     assert "typer" in imported
     assert not imported.intersection(HEAVY)
+
+
+def test_the_version_is_that_of_the_package() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "cli", "--version"], capture_output=True, text=True, check=True
+    )
+    assert done.stdout == f"tril {version('tril-imitation')}\n"
