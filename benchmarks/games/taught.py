@@ -276,6 +276,7 @@ def main() -> None:
     parser.add_argument("--pictures", type=Path, help="their folder; FOLDER/pictures by default")
     parser.add_argument("--write", type=Path, help="only write the page of what is known")
     arguments = parser.parse_args()
+    expect.set_options(timeout=60_000)  # Beside other work everything takes longer.
     ledger = arguments.folder / "taught.jsonl"
     rows = [json.loads(line) for line in ledger.read_text().splitlines()] if ledger.exists() else []
     if arguments.write:
