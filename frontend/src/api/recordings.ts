@@ -49,7 +49,7 @@ export function memoryQuery(url: string) {
 }
 
 /** The screens of a recording. Immutable: the URL carries a version. */
-export function framesQuery(recording: Recording) {
+export function framesQuery(recording: Pick<Recording, "frames_url">) {
   return queryOptions({
     queryKey: ["frames", recording.frames_url],
     queryFn: async ({ signal }) =>

@@ -11,10 +11,10 @@ import type { ScreenPainter } from "@/lib/game/screen";
 import { type ScreenSize, useFittingScreenSize } from "@/lib/game/use-screen-size";
 
 import styles from "./ScreenInStep.module.css";
-import type { Screens } from "./use-playback-in-step";
+import type { Played, Screens } from "./use-playback-in-step";
 
 interface ScreenInStepProps {
-  recordingId: number;
+  game: Played;
   /** What the game is called, in its label and where it is missing. */
   name: string;
   /** Undefined until it is known which. */
@@ -26,7 +26,7 @@ interface ScreenInStepProps {
 
 /** The screen of a recording that plays in step with others, or why it is missing. */
 export function ScreenInStep(props: ScreenInStepProps) {
-  const { recordingId, name, screens, playback, screenHeight } = props;
+  const { game: played, name, screens, playback, screenHeight } = props;
   const game = useGame();
   const stage = useRef<HTMLDivElement>(null);
   const size = useFittingScreenSize(stage, screenHeight, game);
@@ -43,7 +43,7 @@ export function ScreenInStep(props: ScreenInStepProps) {
       ) : (
         playback && (
           <Screen
-            key={recordingId}
+            key={played.frames_url}
             frames={screens.frames}
             playback={playback}
             size={size}

@@ -8,6 +8,9 @@ import { useMedia } from "@/lib/browser/use-media";
 import type { RecordedFrames } from "@/lib/game/codec";
 import { Playback } from "@/lib/game/playback";
 
+/** What is played: anything that has frames. */
+export type Played = Pick<Recording, "frames_url">;
+
 /** The screens of a recording, or why they are missing. */
 export interface Screens {
   readonly frames: RecordedFrames | undefined;
@@ -29,7 +32,7 @@ interface PlaybackInStep {
  * for less motion, it shows how they end and waits.
  */
 export function usePlaybackInStep(
-  recordings: readonly Recording[],
+  recordings: readonly Played[],
   firstSpeed: number,
 ): PlaybackInStep {
   const { frame_rate_hz: rateHz } = useGame();
@@ -39,7 +42,7 @@ export function usePlaybackInStep(
   const ready =
     queries.every(({ data, error }) => data ?? error) && queries.some(({ data }) => data);
   const last = Math.max(0, ...queries.map(({ data }) => data?.last ?? 0));
-  const shown = recordings.map(({ id }) => id).join();
+  const shown = recordings.map(({ frames_url: url }) => url).join();
   const playback = useMemo(
     () => (ready ? new Playback(last, rateHz) : null),
     // Other recordings begin anew, even if they are as long.

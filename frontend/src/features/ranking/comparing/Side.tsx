@@ -1,25 +1,20 @@
 import type { Behaviour, Recording } from "@/api/types";
 import { ItemGrid } from "@/components/game/ItemGrid";
+import type { Stage } from "@/components/in-step/ComparedGames";
 import { ScreenInStep } from "@/components/in-step/ScreenInStep";
-import type { Screens } from "@/components/in-step/use-playback-in-step";
 import { SourceBadge } from "@/components/recording/SourceBadge";
 import { useGame } from "@/games/game";
 import { describeCourse, describeResult } from "@/games/outcomes";
 import { takenCells } from "@/lib/game/items";
-import type { Playback } from "@/lib/game/playback";
 import { recordingName } from "@/lib/recordings";
 
 import styles from "./Side.module.css";
 
-interface SideProps {
+interface SideProps extends Stage {
   recording: Recording;
   behaviour: Behaviour;
   /** What it is in the comparison. */
   part: string;
-  screens: Screens | undefined;
-  playback: Playback | null;
-  /** Height available for the screen, in CSS pixels. Must be a stable reference. */
-  screenHeight: (windowHeight: number) => number;
 }
 
 /** One of two compared games: what it is, and its screen. */
@@ -44,7 +39,7 @@ export function Side({ recording, behaviour, part, screens, playback, screenHeig
         </div>
       </div>
       <ScreenInStep
-        recordingId={recording.id}
+        game={recording}
         name={name}
         screens={screens}
         playback={playback}

@@ -93,7 +93,7 @@ function Side({ game: { actor, name, recording }, run, behaviour, screens, playb
   return (
     <figure className={styles.side}>
       <ScreenInStep
-        recordingId={recording.id}
+        game={recording}
         name={inSentence(name)}
         screens={screens}
         playback={playback}

@@ -1,26 +1,29 @@
 import { expect, it } from "vitest";
 
-import { actOf } from "@/features/ranking/comparing/compare-keys";
+import { actOf } from "@/components/in-step/answer-keys";
 
 const key = (name: string, more = {}) =>
-  actOf({
-    code: "",
-    key: name,
-    ctrlKey: false,
-    metaKey: false,
-    altKey: false,
-    shiftKey: false,
-    ...more,
-  });
+  actOf(
+    {
+      code: "",
+      key: name,
+      ctrlKey: false,
+      metaKey: false,
+      altKey: false,
+      shiftKey: false,
+      ...more,
+    },
+    { skip: ["s"], worst: ["w"] },
+  );
 
 it("keys answer by arrows, digits and letters, in either case", () => {
   expect(["ArrowLeft", "1", "=", "0", "ArrowRight", "2"].map((name) => key(name))).toEqual([
-    "game",
-    "game",
+    "first",
+    "first",
     "equal",
     "equal",
-    "opponent",
-    "opponent",
+    "second",
+    "second",
   ]);
   expect(["s", "S", "w", "u", "Backspace", " "].map((name) => key(name))).toEqual([
     "skip",
@@ -33,7 +36,7 @@ it("keys answer by arrows, digits and letters, in either case", () => {
 });
 
 it("keys are those of any keyboard", () => {
-  expect(key("é", { code: "Digit2" })).toBe("opponent");
+  expect(key("é", { code: "Digit2" })).toBe("second");
   expect(key("ы", { code: "KeyS" })).toBe("skip");
   expect(key("я", { code: "KeyZ", ctrlKey: true })).toBe("undo");
   expect(key(",", { code: "KeyW" })).toBeNull();
