@@ -15,6 +15,7 @@ from starlette.routing import BaseRoute
 from server.api import (
     artifacts,
     behaviours,
+    blind,
     catalogue,
     events,
     games,
@@ -107,13 +108,14 @@ def _api() -> APIRouter:
     requests = limited_by(lambda s, writes: s.write_limit if writes else s.read_limit)
     uploads = limited_by(lambda s, _: s.upload_limit)
     replaying = limited_by(lambda s, _: s.replay_limit)
-    resources = (system, people, catalogue, behaviours, recordings, rankings, games, runs)
+    resources = (system, people, catalogue, behaviours, recordings, rankings, games, runs, blind)
     routers = [(resource.router, [requests]) for resource in resources]
     # An object store that hangs keeps a thread for half a minute.
     routers.insert(1, (system.joining_router, [replaying]))
     routers += [(artifacts.router, [replaying]), (imports.router, [uploads])]
     routers += [(rankings.borrowed_router, [requests])]
-    for router in (replays.router, rankings.slow_router, artifacts.archive_router):
+    slow = (replays.router, blind.frames_router, rankings.slow_router, artifacts.archive_router)
+    for router in slow:
         routers.append((router, [replaying]))
     for unlimited in (health, events, stream, watch_stream):
         routers.append((unlimited.router, []))

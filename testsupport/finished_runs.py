@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
 
 import numpy as np
@@ -110,6 +111,25 @@ def _keep_games(workplace: Workplace, run_id: str) -> None:
                 found = score(taught, cells)
                 level = number / 10
                 evaluations.add(session, run_id, key, row.id, True, float(number), level, found)
+
+
+def add_greedy_games(workplace: Workplace, run_id: str, starts: Sequence[int]) -> None:
+    """Store demonstrations as both policies' greedy games from further held-out starts."""
+    with workplace.database.writing() as session:
+        played = recordings.by_ids(session, workplace.ranked)
+        for start in starts:
+            for place, policy in enumerate(POLICIES):
+                shown = played[workplace.ranked[(start + place) % len(workplace.ranked)]]
+                row = recordings.add(
+                    session,
+                    workplace.behaviour_id,
+                    recordings.as_recording(shown),
+                    replay_of(shown),
+                    Source.POLICY,
+                    run_id=run_id,
+                )
+                key = EvaluationKey(policy, "greedy", start)
+                evaluations.add(session, run_id, key, row.id, True, None, None, None)
 
 
 def _outcome(workplace: Workplace, games: list[EvaluationRow]) -> RunOutcome:

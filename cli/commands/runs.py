@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -26,7 +27,7 @@ from tril.jobs import estimate, overall_progress
 from tril.recipes import RECIPES, Recipe, recipe_named, recipes_for, with_values
 from tril.store import audit, behaviours, players, processes
 from tril.store.models import RunDevice, RunRow
-from tril.store.training import evaluations, runs
+from tril.store.training import blind_answers, evaluations, runs
 from tril.teaching.new_run import create_run
 
 app = typer.Typer(help="Training runs.", no_args_is_help=True)
@@ -189,12 +190,14 @@ def show(run_id: str, as_json: JsonOption = False) -> None:
         with workspace.database.reading() as session:
             row = runs.get(session, run_id)
             entry = run_entry(session, row)
+            blind = blind_answers.result_of(session, row.id)
         if as_json:
             print_json(
                 entry
                 | {
                     "outcome": row.outcome.model_dump(mode="json", exclude_unset=True),
                     "recipe_values": row.recipe,
+                    "blind": None if blind is None else asdict(blind),
                 }
             )
             return
@@ -330,6 +333,7 @@ def print_results(workspace: Workspace, row: RunRow) -> None:
         of = behaviours.get(session, row.behaviour_id)
         games = evaluations.listing(session, row.id)
         n_targets = behaviours.n_targets(session, row.behaviour_id)
+        blind = blind_answers.result_of(session, row.id)
     table = Table(
         "start", "policy", "actions", "end", title=of.name, box=None, title_justify="left"
     )
@@ -344,6 +348,8 @@ def print_results(workspace: Workspace, row: RunRow) -> None:
         )
     console.print(table if games else "No evaluation games yet.")
     _print_means(evaluations.summaries(games, n_targets))
+    if blind is not None:
+        console.print(blind.sentence)
 
 
 def _print_means(summaries: Mapping[tuple[str, str], PolicySummary]) -> None:

@@ -32,7 +32,7 @@ from tril.recipes import recipe_from_dict
 from tril.store import behaviours, recordings
 from tril.store.database import Database
 from tril.store.models import RecordingRow
-from tril.store.training import artifacts, evaluations, metrics, runs
+from tril.store.training import artifacts, blind_answers, evaluations, metrics, runs
 from tril.store.training.alarms import alarm_of
 from tril.store.training.demonstrations import best_demonstration
 from tril.store.training.judged_games import PLAYERS, judged_games
@@ -106,6 +106,7 @@ def read_report(database: Database, store: ArtifactStore, run_id: str) -> RunRep
         judged = judged_games(session, run, evaluations.listing(session, run_id))
         alarm = alarm_of(session, run)
         verdict = verdict_of(session, run, alarm)
+        blind = blind_answers.result_of(session, run_id)
         curves = metrics.series(session, run_id)[1].get("imitator", {})
         files = artifacts.listing(session, run_id)
         # Where the behaviour has targets, they say more.
@@ -134,6 +135,7 @@ def read_report(database: Database, store: ArtifactStore, run_id: str) -> RunRep
         "notes": run.notes,
         "parent_run_id": run.parent_run_id,
         "verdict": verdict,
+        "blind": "" if blind is None else blind.sentence,
         "warning": run.outcome.check.warning if run.outcome.check else "",
         "game": game,
         "items": game.items,

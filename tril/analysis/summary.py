@@ -16,6 +16,8 @@ Winner = Literal["imitator", "clone", "tie"]
 RESAMPLES = 2000
 RESAMPLING_SEED = 20
 """Fixed, so that the same games always give the same interval."""
+_QUANTILE = 1.959964
+"""Of the normal distribution at 97.5%."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +53,7 @@ class GameFigures:
 
 @dataclass(frozen=True)
 class Interval:
-    """A mean with its 95% bootstrap interval over n games."""
+    """A mean with its 95% interval over n games."""
 
     mean: float
     low: float
@@ -157,6 +159,19 @@ def _interquartile_means(values: Numbers) -> Numbers:
     inside = np.clip(np.minimum(begins + 1, 0.75 * n) - np.maximum(begins, 0.25 * n), 0.0, None)
     means: Numbers = inside @ ordered / inside.sum()
     return means
+
+
+def proportion_interval(successes: float, n: int) -> Interval:
+    """Return a proportion and its 95% interval by Wilson (1927), also of none or all of few.
+
+    Args:
+        successes: Number of successes; what counts half may be in it.
+        n: Number of trials, at least 1.
+    """
+    share, spread = successes / n, _QUANTILE**2 / n
+    centre = (share + spread / 2) / (1 + spread)
+    half = (share * (1 - share) * spread + spread**2 / 4) ** 0.5 / (1 + spread)
+    return Interval(share, max(0.0, centre - half), min(1.0, centre + half), n)
 
 
 def summarise(games: Sequence[GameFigures]) -> PolicySummary:

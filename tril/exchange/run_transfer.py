@@ -20,6 +20,7 @@ from tril.analysis.outcome import (
 )
 from tril.demonstrators import kind_named
 from tril.exchange.behaviour_transfer import add_behaviour, describe, replay_all
+from tril.exchange.blind_transfer import add_blind_answers, blind_objects
 from tril.exchange.formats.recording_file import as_recording
 from tril.exchange.formats.recording_object import RecordingObject
 from tril.exchange.formats.run_file import (
@@ -157,6 +158,7 @@ def export_run(session: Session, run_id: str) -> ExportedRun:
             )
             for game in games
         ],
+        **blind_objects(session, run_id),
     )
     return ExportedRun(run, ranked, unranked, games)
 
@@ -401,6 +403,7 @@ def _add_results(
     replayed: Mapping[int, tuple[Recording, Replay]],
 ) -> None:
     run_id, taught = archive.run.id, behaviours.as_behaviour(behaviour)
+    numbered = dict(ids)
     for game, recording_object in archive.games:
         recording, played = replayed[game.number]
         row = recordings.add(
@@ -413,6 +416,7 @@ def _add_results(
             conditions=recording_object.conditions,
         )
         row.created_at = row.finished_at = game.played_at
+        numbered[game.number] = row.id
         evaluations.add(
             session,
             run_id,
@@ -425,6 +429,7 @@ def _add_results(
         )
     points = [(str(point.stage), point.step, point.values) for point in archive.run.curves]
     metrics.add_curves(session, run_id, points)
+    add_blind_answers(session, archive.run, numbered)
 
 
 def _name_files(

@@ -36,6 +36,7 @@ class Action(StrEnum):
     BACKED_UP = "backed up"
     RANKED = "ranked"
     ANSWERED = "answered a statement"
+    COMPARED = "compared games blind"
     RUN_QUEUED = "queued a run"
     RUN_CANCELLED = "cancelled a run"
 

@@ -494,6 +494,27 @@ class EvaluationRow(Base):
     recording: Mapped[RecordingRow] = relationship(lazy="raise")
 
 
+class BlindAnswerRow(Base):
+    """What a person did in a blind comparison of a run's games; rows are only ever added.
+
+    ``answer`` is a tril.analysis.blind.BlindAnswer about a pair of a person's round, both counted
+    from 1. ``imitator_left`` says on which side the imitator's game was shown.
+    """
+
+    __tablename__ = "blind_answers"
+
+    id: Mapped[int] = mapped_column(Integer, primary_key=True)
+    run_id: Mapped[str] = mapped_column(ForeignKey("runs.id"), index=True)
+    player_id: Mapped[int | None] = mapped_column(ForeignKey("players.id"))
+    round: Mapped[int] = mapped_column(Integer)
+    pair: Mapped[int] = mapped_column(Integer)
+    imitator_id: Mapped[int] = mapped_column(ForeignKey("recordings.id"))
+    other_id: Mapped[int] = mapped_column(ForeignKey("recordings.id"))
+    imitator_left: Mapped[bool] = mapped_column(Boolean)
+    answer: Mapped[str] = mapped_column(String(16))
+    created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
+
+
 class ArtifactRow(Base):
     """A file of a run in the artifact store; ``details`` describes it."""
 

@@ -1245,6 +1245,66 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/runs/{run_id}/blind": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Blind Comparison
+         * @description Return what the reader has judged, and whose games those of rounds were that are over.
+         */
+        get: operations["get_blind_comparison"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/runs/{run_id}/blind/{round_number}/{pair}/{side}/frames": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Blind Frames
+         * @description Return every frame of a game of a round, without naming the game.
+         */
+        get: operations["get_blind_frames"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/runs/{run_id}/blind/answers": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Answer Blind
+         * @description Judge the next pair of the round, take the last judgement back, or end the round.
+         */
+        post: operations["answer_blind"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/runs/{run_id}/cancel": {
         parameters: {
             query?: never;
@@ -1438,7 +1498,7 @@ export interface components {
          * @description What is logged.
          * @enum {string}
          */
-        Action: "signed in" | "signed out" | "signed everybody out" | "made an invitation" | "used an invitation" | "revoked an invitation" | "made a key" | "revoked a key" | "changed a role" | "let a worker in" | "deleted" | "restored" | "renamed" | "changed" | "marked as perfect" | "unmarked as perfect" | "wrote notes" | "imported" | "exported" | "backed up" | "ranked" | "answered a statement" | "queued a run" | "cancelled a run";
+        Action: "signed in" | "signed out" | "signed everybody out" | "made an invitation" | "used an invitation" | "revoked an invitation" | "made a key" | "revoked a key" | "changed a role" | "let a worker in" | "deleted" | "restored" | "renamed" | "changed" | "marked as perfect" | "unmarked as perfect" | "wrote notes" | "imported" | "exported" | "backed up" | "ranked" | "answered a statement" | "compared games blind" | "queued a run" | "cancelled a run";
         /**
          * Artifact
          * @description A file of a training.
@@ -1633,6 +1693,68 @@ export interface components {
             ][] | null;
         };
         /**
+         * BlindAnswer
+         * @description What a person does in a round, in order of time.
+         *
+         *     LEFT, RIGHT and EQUAL judge the next pair. TAKEN_BACK takes the last judgement back. ENDED ends
+         *     the round, after which whose games they were is told.
+         * @enum {string}
+         */
+        BlindAnswer: "left" | "right" | "equal" | "taken back" | "ended";
+        /**
+         * BlindAnswerNew
+         * @description What a person does in their round.
+         *
+         *     ``pair`` is the one that is judged, counted from 1; else the last that was judged.
+         */
+        BlindAnswerNew: {
+            answer: components["schemas"]["BlindAnswer"];
+            /** Pair */
+            pair: number;
+            /** Round */
+            round: number;
+        };
+        /**
+         * BlindComparison
+         * @description A person's blind comparison of a training's games.
+         *
+         *     ``round`` is the number of the round that they are in or begin next, of ``n_pairs`` pairs;
+         *     ``answers`` are theirs to its first pairs. ``frames_url`` leads to the frames of a pair's side,
+         *     once ``{pair}`` and ``{side}`` ("left" or "right") are filled in. ``finished`` are their
+         *     rounds that are over, the newest first.
+         */
+        BlindComparison: {
+            /** Answers */
+            answers: ("left" | "right" | "equal")[];
+            /** Finished */
+            finished: components["schemas"]["FinishedBlindRound"][];
+            /** Frames Url */
+            frames_url: string;
+            /** N Pairs */
+            n_pairs: number;
+            /** Round */
+            round: number;
+        };
+        /**
+         * BlindResult
+         * @description How often the imitator's game was closer to what was meant.
+         *
+         *     Attributes:
+         *         wins: Number of such pairs; equal ones count half.
+         *         share: Share of the pairs, with its 95% interval.
+         *         against: The same by opponent.
+         *         n_people: Number of people whose answers these are.
+         */
+        BlindResult: {
+            /** Against */
+            against: components["schemas"]["OpponentScore"][];
+            /** N People */
+            n_people: number;
+            share: components["schemas"]["Interval"];
+            /** Wins */
+            wins: number;
+        };
+        /**
          * BorrowedGames
          * @description Games to borrow, all or none: of other behaviours, or of the policies of any training.
          */
@@ -1777,6 +1899,17 @@ export interface components {
         Faithfulness: {
             map: components["schemas"]["MeasuredOrder"];
             random: components["schemas"]["MeasuredOrder"];
+        };
+        /**
+         * FinishedBlindRound
+         * @description A person's round that is over, with whose games they were.
+         */
+        FinishedBlindRound: {
+            /** Number */
+            number: number;
+            /** Pairs */
+            pairs: components["schemas"]["RevealedPair"][];
+            result: components["schemas"]["BlindResult"];
         };
         /**
          * Game
@@ -1926,7 +2059,7 @@ export interface components {
         };
         /**
          * Interval
-         * @description A mean with its 95% bootstrap interval over n games.
+         * @description A mean with its 95% interval over n games.
          */
         Interval: {
             /** High */
@@ -2379,6 +2512,26 @@ export interface components {
             role: components["schemas"]["Role"];
             /** Seen At */
             seen_at: string | null;
+        };
+        /**
+         * OpponentScore
+         * @description How often the imitator's game was closer than an opponent's.
+         *
+         *     Attributes:
+         *         opponent: Player of the other games.
+         *         wins: Number of such pairs; equal ones count half.
+         *         n: Number of pairs.
+         */
+        OpponentScore: {
+            /** N */
+            n: number;
+            /**
+             * Opponent
+             * @enum {string}
+             */
+            opponent: "person" | "demonstrator" | "varied" | "imitator" | "clone";
+            /** Wins */
+            wins: number;
         };
         /**
          * Per
@@ -2860,6 +3013,26 @@ export interface components {
             reason: string;
         };
         /**
+         * RevealedPair
+         * @description A pair of a round that is over.
+         */
+        RevealedPair: {
+            /**
+             * Answer
+             * @enum {string}
+             */
+            answer: "left" | "right" | "equal";
+            imitator: components["schemas"]["Recording"];
+            /** Imitator Left */
+            imitator_left: boolean;
+            /**
+             * Opponent
+             * @enum {string}
+             */
+            opponent: "person" | "demonstrator" | "varied" | "imitator" | "clone";
+            other: components["schemas"]["Recording"];
+        };
+        /**
          * RewardAlarm
          * @description The predicted return of training games rose, but the games did not improve.
          *
@@ -3072,7 +3245,8 @@ export interface components {
          *     ``comparison`` has the starts of the headline figures, ``further_comparison`` the others.
          *     ``percentiles`` are the states of the ranked recordings at the percentiles 0, 1, ..., 100 of R;
          *     empty for runs of earlier versions. ``proposed`` are the recordings of the imitator's games that
-         *     are proposed for the ranking. ``training_games`` are those of its newest snapshot.
+         *     are proposed for the ranking. ``training_games`` are those of its newest snapshot. ``blind`` is
+         *     the result of each person's latest blind comparison.
          */
         RunResults: {
             alarm: components["schemas"]["RewardAlarm"] | null;
@@ -3081,6 +3255,7 @@ export interface components {
             /** Attention */
             attention: components["schemas"]["AttentionMap"][];
             best_demonstration: components["schemas"]["Recording"] | null;
+            blind: components["schemas"]["BlindResult"] | null;
             check: components["schemas"]["RankingCheck"] | null;
             /** Comparison */
             comparison: components["schemas"]["ComparisonRow"][];
@@ -9732,6 +9907,277 @@ export interface operations {
             };
             /** @description It does not exist. */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_blind_comparison: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                run_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["BlindComparison"];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_blind_frames: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                pair: number;
+                round_number: number;
+                run_id: string;
+                side: "left" | "right";
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description docs/protocol.md */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/octet-stream": unknown;
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    answer_blind: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                run_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["BlindAnswerNew"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["BlindComparison"];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The current state does not allow it. */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };

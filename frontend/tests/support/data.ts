@@ -178,6 +178,7 @@ export function results(one: Run, change: Partial<RunResults> = {}): RunResults 
     training_games: null,
     summaries: [],
     measures: [],
+    blind: null,
     best_demonstration: null,
     alarm: null,
     judged: [],

@@ -11,6 +11,7 @@ from pydantic import Field, StrictBool
 from server.api.schemas.base import Id, Schema
 from server.api.schemas.measures import MeasureRow
 from server.api.schemas.recordings import Recording
+from tril.analysis.blind import BlindResult
 from tril.analysis.extrapolation import JudgedGame, Measure, PlayerKind
 from tril.analysis.outcome import AttentionDetails, CheckVerdict, Headline, RewardState
 from tril.analysis.summary import Policy, PolicySummary, Winner
@@ -255,7 +256,8 @@ class RunResults(Schema):
     ``comparison`` has the starts of the headline figures, ``further_comparison`` the others.
     ``percentiles`` are the states of the ranked recordings at the percentiles 0, 1, ..., 100 of R;
     empty for runs of earlier versions. ``proposed`` are the recordings of the imitator's games that
-    are proposed for the ranking. ``training_games`` are those of its newest snapshot.
+    are proposed for the ranking. ``training_games`` are those of its newest snapshot. ``blind`` is
+    the result of each person's latest blind comparison.
     """
 
     run: Run
@@ -268,6 +270,7 @@ class RunResults(Schema):
     training_games: TrainingGames | None
     summaries: list[PolicyGamesSummary]
     measures: list[MeasureRow]
+    blind: BlindResult | None
     best_demonstration: Recording | None
     alarm: RewardAlarm | None
     judged: list[JudgedGames]

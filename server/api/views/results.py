@@ -46,7 +46,7 @@ from tril.store.models import (
     RunRow,
     Source,
 )
-from tril.store.training import artifacts, evaluations, training_games
+from tril.store.training import artifacts, blind_answers, evaluations, training_games
 from tril.store.training.alarms import alarm_of
 from tril.store.training.demonstrations import best_demonstration
 from tril.store.training.judged_games import judged_games
@@ -85,6 +85,7 @@ def run_results(session: Session, who: Identity, run: RunRow) -> RunResults:
         training_games=_training_games(session, run.id, views),
         summaries=_summaries(games, n_targets),
         measures=_measures(session, run, games, demonstrations.values()),
+        blind=blind_answers.result_of(session, run.id),
         best_demonstration=None if best is None else views.view(best),
         alarm=None if alarm is None else RewardAlarm.model_validate(alarm),
         judged=[JudgedGames.model_validate(one) for one in judged_games(session, run, games)],

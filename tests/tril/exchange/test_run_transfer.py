@@ -27,17 +27,18 @@ from testsupport.libraries import replay_of
 from testsupport.workplace import Workplace, make_workplace
 from trainer.archive.run_archive import check_networks, write_archive
 from trainer.policy.networks import load_policy
+from tril.analysis.blind import BlindAnswer
 from tril.errors import Conflict, Invalid
 from tril.exchange import example, run_archive, run_transfer
 from tril.exchange.example import BEHAVIOUR_NAME, open_example
 from tril.exchange.run_archive import NETWORKS, RANKED, RUN_FILE, read_archive
 from tril.exchange.run_transfer import RunImportResult, import_run
 from tril.files.artifact_store import ArtifactStore
-from tril.store import behaviours, rankings, recordings
+from tril.store import behaviours, players, rankings, recordings
 from tril.store.database import Database, create_database
 from tril.store.models import RecordingRow, RunRow, RunStatus
 from tril.store.schema import upgrade
-from tril.store.training import artifacts, evaluations, metrics, runs
+from tril.store.training import artifacts, blind_answers, evaluations, metrics, runs
 from tril.store.training.judged_games import judged_games
 from tril.store.training.verdicts import verdict_of
 
@@ -50,6 +51,9 @@ def exported(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Workpla
     made = make_workplace(folder / "data")
     run_id = make_finished_run(made)
     with made.database.writing() as session:
+        owner = players.owner(session).id
+        blind_answers.answer(session, run_id, owner, 1, 1, BlindAnswer.LEFT)
+        blind_answers.answer(session, run_id, owner, 1, 1, BlindAnswer.ENDED)
         runs.describe(session, run_id, "Wide column", "Ann\u2019s games.\nAgain with more.")
     path = folder / "run.zip"
     store = ArtifactStore(made.settings.artifact_root)
@@ -130,6 +134,7 @@ def results_of(database: Database, run_id: str) -> dict[str, Any]:
             "judged": [
                 [game.predicted for game in one.games] for one in judged_games(session, run, games)
             ],
+            "blind": blind_answers.result_of(session, run_id),
             "curves": metrics.series(session, run_id)[1],
             "kinds": {one.kind for one in artifacts.listing(session, run_id)},
             "states": [
@@ -330,6 +335,10 @@ HOSTILE: dict[str, tuple[Callable[[Members], object], str]] = {
     "a foreign recording": (
         changed(lambda r: r["percentiles"][0].update(recording_id=99)),
         "not ranked",
+    ),
+    "a blind comparison of other games": (
+        changed(lambda r: r["blind"][0].update(imitator=r["ranked"][0]["number"])),
+        "of other games",
     ),
     "one number twice": (
         changed(lambda r: r["evaluation"][0].update(number=r["ranked"][0]["number"])),

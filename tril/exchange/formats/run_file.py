@@ -13,6 +13,7 @@ from typing import Annotated, Any, Final, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from tril.analysis.blind import MAX_PAIRS, MAX_ROUND, BlindAnswer
 from tril.analysis.outcome import AttentionDetails, RewardState, RunOutcome
 from tril.analysis.summary import Policy
 from tril.errors import Invalid
@@ -41,6 +42,7 @@ RUN_VERSION: Final = 2
 MAX_DEMONSTRATIONS = 2_000
 MAX_GAMES = 2 * len(get_args(ActionSelection)) * MAX_EVALUATION_STARTS
 MAX_POINTS = 20_000
+MAX_BLIND_ANSWERS = 20_000
 
 _Number = Annotated[int, Field(ge=1, le=2**31 - 1)]
 _Count = Annotated[int, Field(ge=0, le=MAX_FRAMES)]
@@ -92,6 +94,19 @@ class EvaluationGame(PlayedGame):
     final_level: float | None = None
 
 
+class BlindAnswerObject(_ClosedModel):
+    """What a person did in a blind comparison, see tril.store.models.BlindAnswerRow."""
+
+    player: Annotated[Line, Field(min_length=1, max_length=80)] | None
+    round: int = Field(ge=1, le=MAX_ROUND)
+    pair: int = Field(ge=1, le=MAX_PAIRS)
+    imitator: _Number
+    other: _Number
+    imitator_left: bool
+    answer: BlindAnswer
+    answered_at: Moment
+
+
 class CurvePoint(_ClosedModel):
     """A point of a stage's curves, by name."""
 
@@ -131,6 +146,7 @@ class RunObject(_ClosedModel):
     ranked: list[PlayedGame] = Field(max_length=MAX_DEMONSTRATIONS)
     unranked: list[PlayedGame] = Field(max_length=MAX_DEMONSTRATIONS)
     evaluation: list[EvaluationGame] = Field(max_length=MAX_GAMES)
+    blind: list[BlindAnswerObject] = Field(default=[], max_length=MAX_BLIND_ANSWERS)
 
 
 def parse_run(content: bytes) -> RunObject:
@@ -192,6 +208,11 @@ def _contradictions(run: RunObject) -> Iterator[str]:
     for field, numbers in _references(run):
         if not set(numbers) <= set(ranked):
             yield f"{field} names recordings that are not ranked."
+    by_policy = {game.number: game.policy for game in run.evaluation}
+    others = demonstrations | {n for n, policy in by_policy.items() if policy == "clone"}
+    for answer in run.blind:
+        if by_policy.get(answer.imitator) != "imitator" or answer.other not in others:
+            yield "A blind comparison is of other games."
     check = run.outcome.check
     for pair in check.confused if check else ():
         if not {pair.better, pair.worse} <= set(range(1, len(run.tiers) + 1)):

@@ -41,6 +41,7 @@ export function actionOf(entry: Pick<AuditEntry, "action" | "subject">): string 
     "backed up": t`made a backup`,
     ranked: t`ranked ${subject}`,
     "answered a statement": t`answered a statement about the ranking of ${subject}`,
+    "compared games blind": t`compared games of ${subject} blind`,
     "queued a run": t`started ${subject}`,
     "cancelled a run": t`cancelled ${subject}`,
   };
