@@ -7,7 +7,14 @@ import type { Change } from "./change-stream";
 export function staleKeys({ topic, key }: Change): QueryKey[] {
   switch (topic) {
     case "run":
-      return [["run", key], ["results", key], ["metrics", key], ["runs"], ["behaviours"]];
+      return [
+        ["run", key],
+        ["results", key],
+        ["blind", key],
+        ["metrics", key],
+        ["runs"],
+        ["behaviours"],
+      ];
     case "recording":
       return [["recordings"], ["recording", Number(key)], ["behaviours"]];
     case "library":

@@ -65,6 +65,17 @@ const compare = (): KeySection => ({
   ],
 });
 
+const compareBlind = (): KeySection => ({
+  title: t`Comparing blind`,
+  rows: [
+    row(t`the left or upper game is closer`, "←", "1"),
+    row(t`the right or lower game is closer`, "→", "2"),
+    row(t`they are equally close`, "=", "0"),
+    row(t`take the last answer back`, "U", "⌫"),
+    row(t`play or pause`, t`Space`),
+  ],
+});
+
 const player = (): KeySection => ({
   title: t`Watching a recording`,
   rows: [
@@ -103,7 +114,7 @@ const PAGES: readonly (readonly [
   ["/recordings/:id", () => [player()]],
   ["/runs/:id/watch", () => [watch()]],
   ["/runs/compare", () => [charts()]],
-  ["/runs/:id", () => [charts(), player()]],
+  ["/runs/:id", () => [charts(), compareBlind(), player()]],
 ];
 
 /**

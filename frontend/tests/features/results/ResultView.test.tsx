@@ -214,4 +214,33 @@ describe("what a result says", () => {
     ]);
     expect(figures[0]?.others).toEqual([{ actor: "person", text: "15.0", interval: null }]);
   });
+
+  it("has the blind comparison first where nothing measures the behaviour, else second", () => {
+    const blind = {
+      wins: 6.5,
+      share: { mean: 0.65, low: 0.35, high: 0.86, n: 10 },
+      against: [
+        { opponent: "clone" as const, wins: 4.5, n: 5 },
+        { opponent: "person" as const, wins: 2, n: 5 },
+      ],
+      n_people: 1,
+    };
+    const shown = results(ONE, {
+      blind,
+      summaries: [{ policy: "imitator", action_selection: "greedy", summary: SUMMARY }],
+    });
+    const [first] = figuresOf(shown, behaviour({ target: null }), SPACE_INVADERS);
+    expect(first).toMatchObject({
+      name: "Closer to what was meant, compared blind",
+      value: "65%",
+      others: [
+        { actor: "clone", text: "0.5 of 5" },
+        { actor: "person", text: "3 of 5" },
+      ],
+      plot: { interval: blind.share, low: 0, high: 1 },
+    });
+    const measured = figuresOf(shown, behaviour(), SPACE_INVADERS);
+    expect(measured.findIndex(({ value }) => value === "65%")).toBe(1);
+    expect(measured).toHaveLength(5);
+  });
 });

@@ -3,6 +3,7 @@ import { Trans } from "@lingui/react/macro";
 import { Link } from "react-router";
 
 import type { Behaviour, RankingCheck, Run, RunResults } from "@/api/types";
+import { BlindCard } from "@/features/results/blind/BlindCard";
 import { WatchLinks } from "@/features/results/run/WatchLinks";
 
 import { Figures } from "./Figures";
@@ -45,6 +46,7 @@ export function ResultView({ run, results, behaviour }: ResultViewProps) {
       </div>
       <div className={styles.figures}>
         <Figures results={results} behaviour={behaviour} />
+        <BlindCard runId={run.id} />
         <WatchLinks results={results} />
       </div>
     </section>

@@ -5,7 +5,7 @@ import type { Behaviour, Interval, RunResults, TaughtGame } from "@/api/types";
 import { summaryRows } from "@/features/results/games/summary-rows";
 import { meanValue, measureSentence } from "@/games/measures";
 import type { Actor } from "@/lib/actors";
-import { fixed } from "@/lib/format";
+import { fixed, percent } from "@/lib/format";
 
 const MOST = 5;
 
@@ -39,7 +39,27 @@ export function figuresOf(
   const summary = summaryFigures(results, behaviour, game);
   const measures = measureFigures(results, game);
   const asked = behaviour.target ? [...summary, ...measures] : [...measures, ...summary];
-  return [...asked, ...agreement(results)].slice(0, MOST);
+  // What people said of it comes first where nothing measures the behaviour, else second.
+  const isMeasured = behaviour.target !== null || measures.length > 0;
+  const others = asked.splice(isMeasured ? 1 : 0);
+  return [...asked, ...blindFigure(results), ...others, ...agreement(results)].slice(0, MOST);
+}
+
+function blindFigure({ blind }: RunResults): Figure[] {
+  if (!blind) return [];
+  const { share, against } = blind;
+  return [
+    {
+      name: t`Closer to what was meant, compared blind`,
+      value: percent(share.mean, 0),
+      others: against.map(({ opponent, wins, n }) => ({
+        actor: opponent,
+        text: t`${fixed(n - wins, Number.isInteger(wins) ? 0 : 1)} of ${n}`,
+        interval: null,
+      })),
+      plot: { interval: share, low: 0, high: 1 },
+    },
+  ];
 }
 
 function summaryFigures(
