@@ -205,7 +205,7 @@ def _without_targets(imitator: PolicySummary, clone: PolicySummary | None) -> Ve
         "none",
         f"The imitator loses {_percent(imitator.death_rate.mean)} of its {_games(n)}{against}."
         " This behaviour names no targets, so how well it plays isn't counted.",
-        "Watch some of its games, and rank those that show something new.",
+        "Compare its games with others blind, and rank those that show something new.",
         "teach",
     )
 

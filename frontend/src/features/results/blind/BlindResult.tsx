@@ -25,8 +25,8 @@ export function BlindResult({ runId, finished: { result, pairs } }: BlindResultP
       </p>
       <p className={styles.note}>
         <Trans>
-          In brackets: where the share probably lies (95%) if you judged many more pairs. Equally
-          close counts half.
+          In brackets: where the share would probably lie (95%) after many more pairs. Equally close
+          counts half.
         </Trans>
       </p>
       <ol className={styles.pairs} aria-label={t`Whose games they were`}>
