@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 import zipfile
 from pathlib import Path
@@ -13,8 +14,11 @@ from cli.main import app
 from testsupport.databases import on_postgresql, settings_on
 from testsupport.finished_runs import make_finished_run
 from testsupport.workplace import Workplace
-from tril.store import processes
-from tril.store.training import artifacts
+from trainer.reporting.run_report import write_report
+from tril.analysis.blind import BlindAnswer
+from tril.files.artifact_store import ArtifactStore
+from tril.store import players, processes
+from tril.store.training import artifacts, blind_answers
 from tril.vocabulary import making
 from tril.vocabulary.facts import Vocabulary
 
@@ -26,6 +30,18 @@ def _run(*arguments: str, status: int = 0) -> str:
     done = runner.invoke(app, list(arguments))
     assert done.exit_code == status, done.output
     return done.output
+
+
+def _judged(workplace: Workplace, run_id: str) -> str:
+    """Let the owner judge one pair of a run blind; return what is said of it."""
+    with workplace.database.writing() as session:
+        owner = players.owner(session).id
+        for answer in (BlindAnswer.EQUAL, BlindAnswer.ENDED):
+            blind_answers.answer(session, run_id, owner, 1, 1, answer)
+        result = blind_answers.result_of(session, run_id)
+    assert result is not None
+    assert "in 0.5 of 1 pair (5% to 95%)" in result.sentence
+    return result.sentence
 
 
 @pytest.fixture
@@ -215,10 +231,16 @@ def test_a_run_is_exported_and_imported_where_it_is_not(
     workplace: Workplace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run_id = make_finished_run(workplace)
+    said = _judged(workplace, run_id)
     file = tmp_path / "run.zip"
     monkeypatch.setenv("TRIL_DATA", str(workplace.settings.data))
     monkeypatch.setenv("TRIL_DATABASE_URL", workplace.settings.database_url)
     assert "Wrote" in _run("runs", "export", run_id, "-o", str(file))
+    with zipfile.ZipFile(file) as archive:
+        assert said in html.unescape(archive.read("report.html").decode())
+        assert said in archive.read("model-card.md").decode()
+    store = ArtifactStore(workplace.settings.artifact_root)
+    assert said in write_report(workplace.database, store, run_id, tmp_path / "page").read_text()
     assert "is here already" in _run("runs", "import", str(file))
     folder = tmp_path / "events"
     assert "Wrote" in _run("runs", "tensorboard", run_id, "-o", str(folder))
@@ -231,6 +253,8 @@ def test_a_run_is_exported_and_imported_where_it_is_not(
     monkeypatch.setenv("TRIL_DATABASE_URL", elsewhere.database_url)
     output = _run("runs", "import", str(file), "--name", "Another")
     assert "was imported; it teaches Another (another)." in output
+    assert said in " ".join(_run("runs", "show", run_id).split())
+    assert json.loads(_run("runs", "show", run_id, "--json"))["blind"]["wins"] == 0.5
     (listed,) = json.loads(_run("runs", "list", "--json"))
     assert (listed["id"], listed["status"], listed["progress"]) == (run_id, "done", 1.0)
     (taught,) = (

@@ -117,9 +117,10 @@ class BlindResult:
             f"{one.wins:g} of {one.n} against the {_PLURALS.get(one.opponent, one.opponent)}"
             for one in self.against
         ]
+        pairs = "pair" if self.share.n == 1 else "pairs"
         return (
             f"Compared blind{who}, the imitator's game was closer to what was meant in"
-            f" {self.wins:g} of {self.share.n} pairs ({self.share.low:.0%} to"
+            f" {self.wins:g} of {self.share.n} {pairs} ({self.share.low:.0%} to"
             f" {self.share.high:.0%}): {', '.join(parts)}."
         )
 
