@@ -171,7 +171,9 @@ def proportion_interval(successes: float, n: int) -> Interval:
     share, spread = successes / n, _QUANTILE**2 / n
     centre = (share + spread / 2) / (1 + spread)
     half = (share * (1 - share) * spread + spread**2 / 4) ** 0.5 / (1 + spread)
-    return Interval(share, max(0.0, centre - half), min(1.0, centre + half), n)
+    # It holds the share, which rounding would deny of none and of all.
+    low, high = min(share, max(0.0, centre - half)), max(share, min(1.0, centre + half))
+    return Interval(share, low, high, n)
 
 
 def summarise(games: Sequence[GameFigures]) -> PolicySummary:
