@@ -1,3 +1,4 @@
+import { readFileSync } from "node:fs";
 import type { ClientRequest, IncomingMessage } from "node:http";
 import { fileURLToPath } from "node:url";
 
@@ -50,8 +51,18 @@ const expandMacros: Plugin = {
   },
 };
 
+/** Puts the font's licence beside the font, as it demands. */
+const fontLicence: Plugin = {
+  name: "font-licence",
+  apply: "build",
+  generateBundle() {
+    const licence = new URL("node_modules/@fontsource-variable/oxanium/LICENSE", import.meta.url);
+    this.emitFile({ type: "asset", fileName: "assets/OFL.txt", source: readFileSync(licence) });
+  },
+};
+
 export default defineConfig({
-  plugins: [expandMacros, react(), lingui({ failOnCompileError: true })],
+  plugins: [expandMacros, react(), lingui({ failOnCompileError: true }), fontLicence],
   resolve: { alias: { "@": fileURLToPath(new URL("./src", import.meta.url)) } },
   build: {
     // Inside the package, so that a wheel and a clone have the page in the same place.
