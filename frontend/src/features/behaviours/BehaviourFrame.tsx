@@ -1,7 +1,7 @@
 import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
-import { type ReactNode } from "react";
+import { type ReactNode, useId, useState } from "react";
 import { Link, NavLink, useSearchParams } from "react-router";
 
 import { behaviourQuery, behavioursQuery } from "@/api/behaviours";
@@ -9,7 +9,7 @@ import { gameQuery } from "@/games/catalogue";
 import { isNotFound, messageOf } from "@/api/client";
 import { runsQuery } from "@/api/runs";
 import type { Behaviour } from "@/api/types";
-import { ButtonLink } from "@/components/controls/Button";
+import { ButtonLink, IconButton } from "@/components/controls/Button";
 import { Icon } from "@/components/controls/Icon";
 import { Empty, Failed, Loading } from "@/components/feedback/States";
 import { PageTitle } from "@/components/PageTitle";
@@ -33,7 +33,6 @@ interface BehaviourFrameProps {
 /** The header of every page of a behaviour: its name and the path through the four steps. */
 export function BehaviourFrame({ behaviourId, looking = false, children }: BehaviourFrameProps) {
   const { data: behaviour, error, refetch } = useQuery(behaviourQuery(behaviourId));
-  const onlyPlays = useOnlyPlays();
   const { data: all } = useQuery(behavioursQuery);
   const name = behaviour?.game;
   const taught = useQuery({ ...gameQuery(name ?? ""), enabled: name !== undefined });
@@ -94,24 +93,46 @@ export function BehaviourFrame({ behaviourId, looking = false, children }: Behav
     <GameProvider game={game} settings={behaviour.settings}>
       <PageTitle>{t`${behaviour.name} · Tril`}</PageTitle>
       <div className={styles.head}>
-        <GameMark target={behaviour.target} />
-        <div className={styles.words}>
-          <div className={styles.title}>
-            <h1>{behaviour.name}</h1>
-            {!onlyPlays && <EditBehaviour behaviour={behaviour} />}
-            <Training behaviourId={behaviour.id} />
-          </div>
+        <Name behaviour={behaviour}>
           {isOneOfSeveral && (
-            <p className={styles.game}>
-              <Link to={`/games/${encodeURIComponent(game.name)}`}>{game.title}</Link>
-            </p>
+            <Link to={`/games/${encodeURIComponent(game.name)}`}>{game.title}</Link>
           )}
-          <p>{behaviour.description}</p>
-        </div>
+        </Name>
+        <Path behaviour={behaviour} looking={looking} />
       </div>
-      <Path behaviour={behaviour} looking={looking} />
       <div className={styles.body}>{children(behaviour)}</div>
     </GameProvider>
+  );
+}
+
+/** What the behaviour is called; what else there is to say of it is folded where there is little room. */
+function Name({ behaviour, children: game }: { behaviour: Behaviour; children: ReactNode }) {
+  const onlyPlays = useOnlyPlays();
+  const [open, setOpen] = useState(false);
+  const aboutId = useId();
+  return (
+    <div className={styles.name}>
+      <div className={styles.mark}>
+        <GameMark target={behaviour.target} />
+      </div>
+      <div className={styles.title}>
+        <h1>{behaviour.name}</h1>
+        <Training behaviourId={behaviour.id} />
+      </div>
+      <IconButton
+        className={styles.unfold}
+        icon={open ? "up" : "more"}
+        label={t`About this behaviour`}
+        aria-expanded={open}
+        aria-controls={aboutId}
+        onClick={() => setOpen(!open)}
+      />
+      <div id={aboutId} className={classes(styles.about, !open && styles.folded)}>
+        {game}
+        <p>{behaviour.description}</p>
+        {!onlyPlays && <EditBehaviour behaviour={behaviour} />}
+      </div>
+    </div>
   );
 }
 
@@ -156,7 +177,7 @@ function Path({ behaviour, looking }: { behaviour: Behaviour; looking: boolean }
             <span className={classes(styles.marker, styles.plain)} aria-hidden="true">
               {behaviour.n_recordings}
             </span>
-            <span className={styles.name}>
+            <span className={styles.stepName}>
               <Trans>Recordings</Trans>
             </span>
             <span className={styles.caption}>
@@ -199,7 +220,7 @@ function StepLink({
       <span className={styles.marker} aria-hidden="true">
         {step.done ? <Icon name="check" /> : number}
       </span>
-      <span className={styles.name}>
+      <span className={styles.stepName}>
         {step.name}{" "}
         {step.done && (
           <span className="visually-hidden">
