@@ -20,15 +20,16 @@ from tril.games.settings import GameSettings
 from tril.store import behaviours, rankings, recordings
 from tril.store.models import Source
 
-N_GAMES = 6
+N_GAMES = 15
 SETTINGS = GameSettings(max_steps=60)
 PATIENCE_MS = 120_000
 PHONE = ViewportSize(width=360, height=780)
+LAPTOP = ViewportSize(width=1280, height=800)
 
 
 @pytest.fixture
 def behaviour_id(workplace: Workplace, monkeypatch: pytest.MonkeyPatch) -> int:
-    """Rank games of Pong, which Tril has learned to see, and leave one unranked."""
+    """Rank twelve games of Pong, which Tril has learned to see, and leave three unranked."""
     game = game_named("pong").with_settings(SETTINGS)
     make_small_vocabulary(workplace.settings.data, game, monkeypatch)
     console = game.make_console()
@@ -40,7 +41,7 @@ def behaviour_id(workplace: Workplace, monkeypatch: pytest.MonkeyPatch) -> int:
             recordings.add(session, behaviour.id, one.recording, one.replay, Source.VARIED).id
             for one in played
         ]
-        rankings.save(session, behaviour.id, 0, [[key] for key in ids[1:]])
+        rankings.save(session, behaviour.id, 0, [[key] for key in ids[3:]])
         return behaviour.id
 
 
@@ -78,3 +79,36 @@ def test_a_statement_is_seen_agreed_with_and_taken_back(page: Page) -> None:
     back.click()
     expect(panel.get_by_text("You said that this is it.")).to_have_count(0)
     expect(panel.get_by_role("button", name=name, exact=True)).to_be_visible()
+
+
+def test_the_whole_board_is_seen_without_scrolling(page: Page) -> None:
+    page.set_viewport_size(LAPTOP)
+    panel = page.get_by_role("region", name="What Tril understood")
+    shown = {
+        "order": page.get_by_role("list", name="Tiers, best first"),
+        "unranked": page.get_by_role("region", name=re.compile("^Unranked, 3 ")),
+        "statements": panel,
+        "way on": page.get_by_role("link", name="Continue to Train"),
+    }
+    expect(panel.get_by_role("button", name=re.compile("^This is it: ")).nth(2)).to_be_visible(
+        timeout=PATIENCE_MS
+    )
+    expect(shown["order"].get_by_role("article")).to_have_count(N_GAMES - 3)
+    boxes = {name: place.bounding_box() for name, place in shown.items()}
+    for card in [
+        *shown["order"].get_by_role("article").all(),
+        *shown["unranked"].get_by_role("article").all(),
+    ]:
+        boxes[str(card.get_attribute("aria-label"))] = card.bounding_box()
+    hidden = [
+        name
+        for name, box in boxes.items()
+        if box is None
+        or box["y"] + box["height"] > LAPTOP["height"]
+        or box["x"] + box["width"] > LAPTOP["width"]
+    ]
+    assert not hidden
+    assert boxes["order"]
+    assert boxes["statements"]
+    assert boxes["order"]["x"] + boxes["order"]["width"] < boxes["statements"]["x"]
+    assert page.evaluate("window.scrollY") == 0

@@ -116,27 +116,31 @@ export function Hints({
   const further = continuing(useSearchParams()[0]);
   const parentId = further.get("continue");
   const hints = hintsFor(tiers, nPerfect, borrowed, behaviour);
+  const isReady = canTrain(hints);
   return (
-    <section className={styles.hints} aria-label={t`What training needs`}>
-      <ul className={styles.hints}>
-        {hints.map((hint) => (
-          <li key={hint.id} className={hint.done ? styles.ok : styles.open}>
-            <Icon name={hint.done ? "check" : "alert"} />
-            <span>{hint.text}</span>
-          </li>
-        ))}
-        {parentId !== null && (
-          <li>
-            <Icon name="redo" />
-            <span>
-              <Trans>
-                The next run continues <RunName id={parentId} />.
-              </Trans>
-            </span>
-          </li>
-        )}
-      </ul>
-      {canTrain(hints) ? (
+    <section className={styles.needs} aria-label={t`What training needs`}>
+      <details className={styles.folded} open={!isReady || undefined}>
+        <summary>
+          <Icon name={hints.every(({ done }) => done) ? "check" : "alert"} />
+          <Trans>What training needs</Trans>
+        </summary>
+        <ul className={styles.hints}>
+          {hints.map((hint) => (
+            <li key={hint.id} className={hint.done ? styles.ok : styles.open}>
+              <Icon name={hint.done ? "check" : "alert"} />
+              <span>{hint.text}</span>
+            </li>
+          ))}
+        </ul>
+      </details>
+      {parentId !== null && (
+        <p className={styles.next}>
+          <Trans>
+            The next run continues <RunName id={parentId} />.
+          </Trans>
+        </p>
+      )}
+      {isReady ? (
         <ButtonLink kind="primary" to={withSearch(`${at}/train`, further)}>
           <Trans>Continue to Train</Trans>
         </ButtonLink>

@@ -12,7 +12,7 @@ import { recordingName } from "@/lib/recordings";
 
 import styles from "./Preview.module.css";
 
-const PREVIEW = { width: 352, height: 210 } as const;
+const PREVIEW = { width: 320, height: 210 } as const;
 
 /** A preview of the recording that is pointed at. */
 export function Preview({

@@ -55,7 +55,7 @@ interface RankingDeskProps {
   isWhole: boolean;
 }
 
-/** The board with the tray, the preview and the hints beside it. */
+/** The board; beside it the preview and the tray, and what Tril understood. */
 export function RankingDesk({ behaviour, ranking, recordings, isWhole }: RankingDeskProps) {
   const [state, saver] = useRankingSaver(ranking);
   const [previewed, setPreviewed] = useState<number | null>(null);
@@ -204,6 +204,22 @@ export function RankingDesk({ behaviour, ranking, recordings, isWhole }: Ranking
     onGiveBack: giveBack,
     renderOpinion,
   };
+  const asked = tiers.length > 0 && (
+    <Pairs
+      pairs={pairs}
+      behaviour={behaviour}
+      onPreview={setPreviewed}
+      onJudge={(pair, verdict) => {
+        const next = judge(tiers, pair, verdict);
+        saver.change(next);
+        setSpoken(
+          [pair.after, pair.before]
+            .map(({ id }) => `${recordingName({ id })}: ${describePosition(next, id)}.`)
+            .join(" "),
+        );
+      }}
+    />
+  );
   return (
     <DragBoard
       places={allPlaces(tiers)}
@@ -225,31 +241,15 @@ export function RankingDesk({ behaviour, ranking, recordings, isWhole }: Ranking
     >
       <div className={classes(styles.page, selected.length > 0 && styles.selecting)}>
         <section className={styles.ranking} aria-label={t`Ranking`}>
-          <SaveBar state={state} saver={saver} />
-          {isRead ? (
-            <UnderstandingPanel behaviourId={behaviour.id} tiers={state.tiers} perfect={perfect} />
-          ) : (
-            <OpinionBar
+          <SaveBar state={state} saver={saver}>
+            <Hints
+              tiers={tiers}
+              nPerfect={perfect?.length ?? behaviour.n_perfect}
+              borrowed={borrowed}
               behaviour={behaviour}
-              opinions={opinions}
-              shown={advised}
-              onShow={setAdvised}
             />
-          )}
-          <Pairs
-            pairs={pairs}
-            behaviour={behaviour}
-            onPreview={setPreviewed}
-            onJudge={(pair, verdict) => {
-              const next = judge(tiers, pair, verdict);
-              saver.change(next);
-              setSpoken(
-                [pair.after, pair.before]
-                  .map(({ id }) => `${recordingName({ id })}: ${describePosition(next, id)}.`)
-                  .join(" "),
-              );
-            }}
-          />
+          </SaveBar>
+          {narrow && asked}
           {narrow && tiers.length > 0 && nUnranked > 0 && (
             <Button className={styles.toUnranked} icon="down" onClick={focusTray}>
               <Plural
@@ -269,12 +269,7 @@ export function RankingDesk({ behaviour, ranking, recordings, isWhole }: Ranking
               behaviour={behaviour}
             />
           )}
-          <Hints
-            tiers={tiers}
-            nPerfect={perfect?.length ?? behaviour.n_perfect}
-            borrowed={borrowed}
-            behaviour={behaviour}
-          />
+          {!narrow && asked}
           <Tray
             {...desk}
             unranked={unranked}
@@ -308,6 +303,18 @@ export function RankingDesk({ behaviour, ranking, recordings, isWhole }: Ranking
               />
             }
           />
+        </div>
+        <div className={styles.understood}>
+          {isRead ? (
+            <UnderstandingPanel behaviourId={behaviour.id} tiers={state.tiers} perfect={perfect} />
+          ) : (
+            <OpinionBar
+              behaviour={behaviour}
+              opinions={opinions}
+              shown={advised}
+              onShow={setAdvised}
+            />
+          )}
         </div>
       </div>
       <SelectionBar

@@ -1,6 +1,8 @@
 import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 
+import type { ReactNode } from "react";
+
 import { isPassing, messageOf } from "@/api/client";
 import { Button, IconButton } from "@/components/controls/Button";
 import { Notice } from "@/components/feedback/States";
@@ -8,8 +10,16 @@ import type { RankingSaver, SaverState } from "@/features/ranking/order/saver";
 
 import styles from "./SaveBar.module.css";
 
-/** Whether the order is saved, with undo and redo. */
-export function SaveBar({ state, saver }: { state: SaverState; saver: RankingSaver }) {
+/** Whether the order is saved, with undo and redo, and what comes next. */
+export function SaveBar({
+  state,
+  saver,
+  children,
+}: {
+  state: SaverState;
+  saver: RankingSaver;
+  children: ReactNode;
+}) {
   const { saved, saving, error, conflict } = state;
   return (
     <>
@@ -32,6 +42,7 @@ export function SaveBar({ state, saver }: { state: SaverState; saver: RankingSav
           disabled={!saved.can_redo || conflict !== null}
           onClick={() => void saver.step("redo")}
         />
+        {children}
       </div>
       {error !== null && <SaveError error={error} saver={saver} />}
     </>

@@ -135,6 +135,7 @@ describe("a library of many recordings", () => {
     const tray = await screen.findByRole("region", { name: "Unranked, 298 recordings" });
     expect(await within(tray).findByLabelText("Select Recording 300")).toBeVisible();
     await waitFor(() => expect(board()).toEqual([["1"], ["2"]]));
+    await unfoldNeeds();
     expect(screen.getByText(/^2 are marked as perfect/)).toBeVisible();
     expect(screen.queryByRole("button", { name: "Place by comparing" })).toBeNull();
     resolve();
@@ -236,6 +237,15 @@ describe("a game that was rewound", () => {
     expect(board()).toEqual([["1"], ["4"], ["3"], ["2"]]);
     expect(screen.queryByRole("region", { name: "Pairs to compare" })).toBeNull();
     await waitFor(() => expect(server.now().tiers).toEqual([[1], [4], [3], [2]]));
+  });
+});
+
+describe("an empty board", () => {
+  it("asks for no comparison of two games before there is an order", async () => {
+    await open({});
+    expect(screen.queryByRole("region", { name: "Pairs to compare" })).toBeNull();
+    await press("Rank as worst: Recording 1");
+    expect(screen.getByRole("region", { name: "Pairs to compare" })).toBeVisible();
   });
 });
 
@@ -644,6 +654,13 @@ describe("two tabs", () => {
   });
 });
 
+/** Unfolds what training needs, and returns queries in it. */
+async function unfoldNeeds() {
+  const needs = within(screen.getByRole("region", { name: "What training needs" }));
+  await userEvent.click(needs.getByText("What training needs"));
+  return needs;
+}
+
 describe("what training needs", () => {
   it("is listed while it is missing", async () => {
     await open({ tiers: [[1, 2]] });
@@ -651,6 +668,8 @@ describe("what training needs", () => {
     expect(hints.getByText(/At least two tiers are needed/)).toBeVisible();
     expect(hints.queryByRole("link", { name: "Continue to Train" })).toBeNull();
     await press("Own tier: Recording 2");
+    expect(hints.getByText("1 comparison to learn from")).not.toBeVisible();
+    await unfoldNeeds();
     expect(hints.getByText("1 comparison to learn from")).toBeVisible();
     expect(hints.getByRole("link", { name: "Continue to Train" })).toBeVisible();
   });
@@ -659,7 +678,7 @@ describe("what training needs", () => {
     const games = Array.from({ length: 7 }, (_, at) => recording({ id: 10 + at, perfect: at > 4 }));
     const tiers = [[10], [11], [12]];
     await open({ tiers }, undefined, games);
-    const hints = within(screen.getByRole("region", { name: "What training needs" }));
+    const hints = await unfoldNeeds();
     expect(hints.getByText("3 marked as perfect")).toBeVisible();
     expect(hints.getByText(/^3 games ranked\. Four/)).toBeVisible();
     await press("Rank as worst: Recording 13");
@@ -674,7 +693,7 @@ describe("what training needs", () => {
       recording({ id: 10 + at, perfect: at < nMore }),
     );
     await open({ tiers: [[10], [11]] }, undefined, games);
-    const hints = within(screen.getByRole("region", { name: "What training needs" }));
+    const hints = await unfoldNeeds();
     expect(hints.getByText(text)).toBeVisible();
     expect(hints.getByRole("link", { name: "Continue to Train" })).toBeVisible();
   });
@@ -682,7 +701,8 @@ describe("what training needs", () => {
   it("says nothing of hits where the behaviour has no target", async () => {
     rankingServer({ tiers: [[1], [2]] });
     show(<RankPage behaviour={behaviour({ n_recordings: 4, target: null })} />);
-    const hints = within(await screen.findByRole("region", { name: "What training needs" }));
+    await screen.findByRole("region", { name: "What training needs" });
+    const hints = await unfoldNeeds();
     expect(hints.getByText(/the agent begins by copying them\.$/)).toBeVisible();
     expect(hints.queryByText(/\bhit\b/)).toBeNull();
     const card = within(await screen.findByRole("article", { name: "Recording 2" }));
