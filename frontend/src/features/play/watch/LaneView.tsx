@@ -84,6 +84,24 @@ export function LaneView(props: LaneViewProps) {
       aria-label={t`Game ${lane + 1}: ${playerName(player)}`}
       style={{ "--actor": actorColour(actor) } as CSSProperties}
     >
+      <div className={classes(styles.body, nLanes === 2 && styles.below)}>
+        <div ref={stage} className={styles.stage}>
+          <GameCanvas size={size} label={t`Screen of game ${lane + 1}`} onPainter={setPainter} />
+          {props.attention && shown && isOf(shown, props.attention) && (
+            <AttentionOver shown={shown} size={size} opacity={props.opacity} />
+          )}
+          {ended && (
+            <div className={styles.ended} role="status">
+              <b>{endSentence(ended, game)}</b>
+              <span>{describeResult(ended, behaviour, game)}</span>
+            </div>
+          )}
+        </div>
+        <div className={styles.side}>
+          <Score hits={state?.hits ?? []} behaviour={behaviour} />
+          <DecisionBars handle={decisions} />
+        </div>
+      </div>
       <div className={styles.head}>
         <ActorMark actor={actor}>
           <span className="visually-hidden">{actorNames()[actor]}</span>
@@ -115,24 +133,6 @@ export function LaneView(props: LaneViewProps) {
             Take over <kbd>{key}</kbd>
           </Trans>
         </Button>
-      </div>
-      <div className={classes(styles.body, nLanes === 2 && styles.below)}>
-        <div ref={stage} className={styles.stage}>
-          <GameCanvas size={size} label={t`Screen of game ${lane + 1}`} onPainter={setPainter} />
-          {props.attention && shown && isOf(shown, props.attention) && (
-            <AttentionOver shown={shown} size={size} opacity={props.opacity} />
-          )}
-          {ended && (
-            <div className={styles.ended} role="status">
-              <b>{endSentence(ended, game)}</b>
-              <span>{describeResult(ended, behaviour, game)}</span>
-            </div>
-          )}
-        </div>
-        <div className={styles.side}>
-          <Score hits={state?.hits ?? []} behaviour={behaviour} />
-          <DecisionBars handle={decisions} />
-        </div>
       </div>
     </article>
   );

@@ -32,8 +32,8 @@ import { WatchedAttention } from "./WatchedAttention";
 import styles from "./WatchPage.module.css";
 import type { WatchState, WatchStream } from "./watch-stream";
 
-/** Height of the header, the path, the controls and the lanes' heads. */
-const CHROME_PX = 420;
+/** Height of the header, the path, the title, and what stands below the screens. */
+const CHROME_PX = 330;
 const MIN_HEIGHT_PX = 210;
 const heightOfOneRow = (windowHeight: number) => Math.max(windowHeight - CHROME_PX, MIN_HEIGHT_PX);
 const heightOfTwoRows = (windowHeight: number) =>
@@ -76,23 +76,6 @@ export function WatchPage({ run, behaviour }: { run: Run; behaviour: Behaviour }
         </h2>
         <p>{describeBeginning(choice, state, game)}</p>
       </div>
-      <Transport
-        state={state}
-        choice={choice}
-        clock={clock}
-        onToggle={() => execute("toggle")}
-        onStep={() => execute("step")}
-        onSpeed={(percent) => stream?.setSpeed(percent)}
-        onRestart={() => execute("restart")}
-        onNext={() => execute("next")}
-        onStart={(start) => choose(start === null ? newStart(choice) : { ...choice, start })}
-      />
-      <WatchedAttention
-        network={attention}
-        onNetwork={setAttention}
-        opacity={opacity}
-        onOpacity={setOpacity}
-      />
       <Situation state={state} onAgain={restart} />
       <div className={styles.lanes} data-several={players.length > 1 || undefined}>
         {players.map((player, lane) => {
@@ -122,6 +105,23 @@ export function WatchPage({ run, behaviour }: { run: Run; behaviour: Behaviour }
           );
         })}
       </div>
+      <Transport
+        state={state}
+        choice={choice}
+        clock={clock}
+        onToggle={() => execute("toggle")}
+        onStep={() => execute("step")}
+        onSpeed={(percent) => stream?.setSpeed(percent)}
+        onRestart={() => execute("restart")}
+        onNext={() => execute("next")}
+        onStart={(start) => choose(start === null ? newStart(choice) : { ...choice, start })}
+      />
+      <WatchedAttention
+        network={attention}
+        onNetwork={setAttention}
+        opacity={opacity}
+        onOpacity={setOpacity}
+      />
       {players.length < MAX_PLAYERS && (
         <Button
           icon="plus"
