@@ -15,6 +15,7 @@ import { Empty, Failed, Loading } from "@/components/feedback/States";
 import { PageTitle } from "@/components/PageTitle";
 import { useOnlyPlays } from "@/components/people/use-only-plays";
 import { GameProvider } from "@/games/game";
+import { useAccent } from "@/games/use-accent";
 import { classes } from "@/lib/classes";
 import { continuing, isActive, withSearch } from "@/lib/runs";
 
@@ -37,6 +38,7 @@ export function BehaviourFrame({ behaviourId, looking = false, children }: Behav
   const name = behaviour?.game;
   const taught = useQuery({ ...gameQuery(name ?? ""), enabled: name !== undefined });
   const game = taught.data;
+  useAccent(game?.picture_url);
   if (isNotFound(error)) {
     return (
       <Empty

@@ -16,12 +16,14 @@ import { type BehaviourDraft, draftOf, EMPTY_DRAFT } from "@/features/behaviours
 import { NewBehaviourDialog } from "@/features/behaviours/NewBehaviourDialog";
 import { buttonName } from "@/games/actions";
 import { measureSentence } from "@/games/measures";
+import { useAccent } from "@/games/use-accent";
 
 import styles from "./GamesPage.module.css";
 
 /** A game: its behaviours, what it lacks, and the way to a new behaviour. */
 export function GamePage({ name }: { name: string }) {
   const { data: game, error, refetch } = useQuery(gameQuery(name));
+  useAccent(game?.picture_url);
   const { data: behaviours } = useQuery(behavioursQuery);
   const onlyPlays = useOnlyPlays();
   const [making, setMaking] = useState<BehaviourDraft | null>(null);
