@@ -57,6 +57,13 @@ def test_varied_games_are_sorted_by_two_taps_and_exceptions_one_by_one(page: Pag
     n_selected = int(found[1])
     assert 2 < n_selected < N_VARIED, "Those that hit a target are to be placed one by one."
     expect(page.get_by_text(f"{N_VARIED} varied games added").first).to_be_attached()
+    message, below = (
+        page.get_by_role("button", name="Close message").bounding_box(),
+        bar.bounding_box(),
+    )
+    assert message
+    assert below
+    assert message["y"] + message["height"] <= below["y"], "the message covers the bar"
     expect(page.get_by_text("from Column 1", exact=True)).to_have_count(N_OF_COLUMN_1)
     bar.get_by_role("button", name="Put below the worst").tap()
     expect(page.get_by_text("Saved", exact=True)).to_be_visible()

@@ -1,7 +1,7 @@
 import { t } from "@lingui/core/macro";
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useEffect, useRef } from "react";
-import { useNavigate } from "react-router";
+import { useLocation, useNavigate } from "react-router";
 
 import { activeRunsQuery, resultsQuery } from "@/api/runs";
 import type { Run } from "@/api/types";
@@ -27,6 +27,11 @@ function useEndings(runs: readonly Run[] | undefined): void {
   const navigate = useNavigate();
   const toast = useToast();
   const before = useRef<readonly Run[]>([]);
+  const { pathname } = useLocation();
+  const shown = useRef(pathname);
+  useEffect(() => {
+    shown.current = pathname;
+  }, [pathname]);
   useEffect(() => {
     if (!runs) return;
     const ended = before.current.filter(({ id }) => !runs.some((run) => run.id === id));
@@ -37,8 +42,11 @@ function useEndings(runs: readonly Run[] | undefined): void {
         .query({ ...resultsQuery(id), staleTime: 0, retry: false })
         .then(({ run, verdict }) => {
           if (!verdict || run.status === "cancelled") return;
-          const look = () => void navigate(`/runs/${id}`);
-          toast(`${run.behaviour_name}: ${verdict.sentence}`, { label: t`Look`, run: look });
+          const path = `/runs/${id}`;
+          const look = () => void navigate(path);
+          // The page of the run says it itself.
+          if (shown.current !== path)
+            toast(`${run.behaviour_name}: ${verdict.sentence}`, { label: t`Look`, run: look });
           notify(t`Run of ${run.behaviour_name} ended`, verdict.sentence, id, look);
         })
         .catch(() => undefined);

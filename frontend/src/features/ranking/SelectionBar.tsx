@@ -33,7 +33,12 @@ export function SelectionBar({
   const found = wanted === null ? -1 : tierOf(tiers, wanted);
   const tier = found < 0 ? worst : found;
   return (
-    <div role="group" aria-label={t`Selected recordings`} className={styles.bar}>
+    <div
+      ref={keepMessagesAbove}
+      role="group"
+      aria-label={t`Selected recordings`}
+      className={styles.bar}
+    >
       <span className={styles.count}>
         <Plural value={selected.length} one="# recording selected" other="# recordings selected" />
       </span>
@@ -74,6 +79,20 @@ export function SelectionBar({
       )}
     </div>
   );
+}
+
+/** Tells the page how much of its bottom a bar takes, so that messages stand above it. */
+function keepMessagesAbove(bar: HTMLElement | null): (() => void) | undefined {
+  if (!bar) return undefined;
+  const { style } = document.documentElement;
+  const observer = new ResizeObserver(() =>
+    style.setProperty("--bottom-bar", `${bar.offsetHeight}px`),
+  );
+  observer.observe(bar);
+  return () => {
+    observer.disconnect();
+    style.removeProperty("--bottom-bar");
+  };
 }
 
 function tierName(tier: number, worst: number): string {

@@ -81,7 +81,10 @@ describe("every page", () => {
     expect(paths).not.toContain("/api/runs");
   });
 
-  it("shows the progress of a run in its title, and announces the end with the verdict", async () => {
+  it.each([
+    ["announces the end with the verdict", "/"],
+    ["repeats nothing that the run's own page says", "/runs/r1"],
+  ])("shows the progress of a run in its title, and %s", async (_, path) => {
     const shown: string[] = [];
     const Shown = Object.assign(
       function Shown(title: string, options: NotificationOptions) {
@@ -96,6 +99,8 @@ describe("every page", () => {
     serve({
       ...CALM,
       "GET /api/runs": ({ query }) => (query.has("active") ? active : []),
+      "GET /api/runs/r1": () => new Refusal(404, { detail: "Not in this test.", errors: null }),
+      "GET /api/runs/r1/metrics": () => ({ groups: {} }),
       "GET /api/runs/r1/results": () =>
         results(
           { ...one, status: "done" },
@@ -104,8 +109,14 @@ describe("every page", () => {
     });
     const { client, router } = openWith("/");
     await waitFor(() => expect(document.title).toBe("34% · Column 3 – Tril"));
+    await act(() => router.navigate(path));
     active = [];
     await client.invalidateQueries({ queryKey: ["runs"] });
+    if (path !== "/") {
+      await waitFor(() => expect(shown).toHaveLength(1));
+      expect(screen.queryByText("Column 3: It plays well.")).toBeNull();
+      return;
+    }
     expect(await screen.findByText("Column 3: It plays well.")).toBeVisible();
     expect(document.title).toBe("Tril");
     expect(shown).toEqual(["Run of Column 3 ended: It plays well."]);
