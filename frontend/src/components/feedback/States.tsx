@@ -35,17 +35,21 @@ export function Loading({
 export function Empty({
   title,
   level: Heading = "h2",
+  picture,
   children,
   actions,
 }: {
   title: string;
+  /** URL of what it is about. */
+  picture?: string;
   /** "h1" where it is all that the page has. */
   level?: "h1" | "h2";
   children?: ReactNode;
   actions?: ReactNode;
 }) {
   return (
-    <div className={styles.state}>
+    <div className={classes(styles.state, picture !== undefined && styles.pictured)}>
+      {picture !== undefined && <img className={styles.picture} src={picture} alt="" />}
       <Heading>{title}</Heading>
       {children}
       {actions && <div className={styles.actions}>{actions}</div>}

@@ -104,30 +104,44 @@ function isUntouched(behaviour: Behaviour, runs: readonly Run[] = []): boolean {
   return onlyExamples && (behaviour.has_example || behaviour.n_recordings === 0);
 }
 
+/** Pictures of games beside the first step. */
+const WALL = 12;
+
 function Welcome({ all }: { all: readonly Behaviour[] }) {
+  const { data: games = [] } = useQuery(catalogueQuery);
   const first = all.find(isEmpty) ?? all[0];
   const example = all.find((one) => one.built_in && one.slug === "column-1");
   return (
     <>
       <section className={styles.hero}>
-        <h1>
-          <Trans>Teach an agent by showing it better and worse games</Trans>
-        </h1>
-        <p>
-          <Trans>
-            Play a game for twenty seconds at a time, put your games in order from best to worst,
-            and Tril learns from the order what you were after.
-          </Trans>
-        </p>
-        <div className={styles.actions}>
-          {first && (
-            <ButtonLink kind="primary" large to={`/behaviours/${first.id}/play`}>
-              <Trans>Play your first game</Trans>
-            </ButtonLink>
-          )}
-          <FinishedExampleButton />
-          {example && isEmpty(example) && <ExampleButton behaviour={example} />}
+        <div className={styles.pitch}>
+          <h1>
+            <Trans>Teach an agent by showing it better and worse games</Trans>
+          </h1>
+          <p>
+            <Trans>
+              Play a game for twenty seconds at a time, put your games in order from best to worst,
+              and Tril learns from the order what you were after.
+            </Trans>
+          </p>
+          <div className={styles.actions}>
+            {first && (
+              <ButtonLink kind="primary" large to={`/behaviours/${first.id}/play`}>
+                <Trans>Play your first game</Trans>
+              </ButtonLink>
+            )}
+            <FinishedExampleButton />
+            {example && isEmpty(example) && <ExampleButton behaviour={example} />}
+          </div>
         </div>
+        <Link className={styles.wall} to="/games">
+          {spread(games, WALL).map(({ name, picture_url: picture }) => (
+            <img key={name} src={picture} alt="" />
+          ))}
+          <span>
+            <Trans>All {games.length} games</Trans>
+          </span>
+        </Link>
       </section>
       <ol className={styles.how} aria-label={t`How it works`}>
         <li>
@@ -164,6 +178,13 @@ function Welcome({ all }: { all: readonly Behaviour[] }) {
         </li>
       </ol>
     </>
+  );
+}
+
+/** Returns so many of a list, from all over it. */
+function spread<T>(list: readonly T[], n: number): readonly T[] {
+  return list.filter(
+    (_, at) => Math.floor((at * n) / list.length) !== Math.floor(((at - 1) * n) / list.length),
   );
 }
 

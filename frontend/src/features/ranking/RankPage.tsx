@@ -9,6 +9,7 @@ import type { Behaviour, LibraryEntry } from "@/api/types";
 import { ButtonLink } from "@/components/controls/Button";
 import { Empty, Failed, Loading } from "@/components/feedback/States";
 import { rankingQuery } from "@/features/ranking/order/rankings";
+import { useGame } from "@/games/game";
 import { whyUnrankable } from "@/lib/recordings";
 import { selectedBy } from "@/lib/selection";
 
@@ -67,9 +68,11 @@ function withBorrowed(
 }
 
 function NothingToRank({ behaviour }: { behaviour: Behaviour }) {
+  const { picture_url: picture } = useGame();
   return (
     <Empty
       title={t`Nothing to rank yet`}
+      picture={picture}
       actions={
         <ButtonLink kind="primary" to={`/behaviours/${behaviour.id}/play`}>
           <Trans>Play a game</Trans>

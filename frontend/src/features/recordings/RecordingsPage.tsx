@@ -12,6 +12,7 @@ import { useOnlyPlays } from "@/components/people/use-only-plays";
 import { readFilter } from "@/features/recordings/library/filter";
 import { ImportDialog } from "@/features/recordings/library/ImportDialog";
 import { Library } from "@/features/recordings/library/Library";
+import { useGame } from "@/games/game";
 
 /** The recordings of a behaviour: watch, mark, annotate, delete, import, export. */
 export function RecordingsPage({ behaviour }: { behaviour: Behaviour }) {
@@ -69,9 +70,11 @@ function NoRecordings({
   behaviour: Behaviour;
   onImport: (() => void) | undefined;
 }) {
+  const { picture_url: picture } = useGame();
   return (
     <Empty
       title={t`No recordings yet`}
+      picture={picture}
       actions={
         <>
           <ButtonLink kind="primary" to={`/behaviours/${behaviour.id}/play`}>

@@ -19,10 +19,12 @@ import {
 import { RunsFilterBar } from "@/features/results/list/RunsFilterBar";
 import { RunsTable } from "@/features/results/list/RunsTable";
 
+import { useGame } from "@/games/game";
 import styles from "./RunsPage.module.css";
 
 /** The runs of a behaviour, with filters kept in the address. */
 export function RunsPage({ behaviour }: { behaviour: Behaviour }) {
+  const { picture_url: picture } = useGame();
   const { data: runs, error, refetch } = useQuery(runsQuery(behaviour.id));
   if (error && !runs) {
     return <Failed what={t`The runs`} error={error} onRetry={() => void refetch()} />;
@@ -32,6 +34,7 @@ export function RunsPage({ behaviour }: { behaviour: Behaviour }) {
     return (
       <Empty
         title={t`Nothing trained yet`}
+        picture={picture}
         actions={
           <ButtonLink kind="primary" to={trainPath(behaviour)}>
             <Trans>Go to Train</Trans>
