@@ -36,7 +36,7 @@ import { useFittingScreenSize } from "@/lib/game/use-screen-size";
 import styles from "./PlayPage.module.css";
 
 /** Height of the header, the path and the margins. */
-const CHROME_PX = 250;
+const CHROME_PX = 150;
 const MIN_HEIGHT_PX = 210;
 /** As in PlayPage.module.css: the stage fills the window. */
 const LANDSCAPE_PHONE = "(pointer: coarse) and (orientation: landscape) and (max-height: 32rem)";
