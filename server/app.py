@@ -27,6 +27,7 @@ from server.api import (
     replays,
     runs,
     system,
+    things,
 )
 from server.dependencies import limited_by
 from server.play import stream
@@ -114,7 +115,13 @@ def _api() -> APIRouter:
     routers.insert(1, (system.joining_router, [replaying]))
     routers += [(artifacts.router, [replaying]), (imports.router, [uploads])]
     routers += [(rankings.borrowed_router, [requests])]
-    slow = (replays.router, blind.frames_router, rankings.slow_router, artifacts.archive_router)
+    slow = (
+        replays.router,
+        blind.frames_router,
+        rankings.slow_router,
+        things.router,
+        artifacts.archive_router,
+    )
     for router in slow:
         routers.append((router, [replaying]))
     for unlimited in (health, events, stream, watch_stream):

@@ -10,6 +10,7 @@ from server.clips import ClipKind, ClipMaker
 from server.play.replays import ReplayProcess, ReplayTask
 from tril.files.cache import Cache
 from tril.recording import Recording
+from tril.vocabulary.watched import Watched
 
 _FORMAT = 2
 """Raised whenever the files change, so that cached ones of an earlier version are not used."""
@@ -32,7 +33,7 @@ def version_of(recording: Recording) -> str:
 
 
 class ReplayCache:
-    """Frames, thumbnails, memory, observations, facts and clips of recordings; thread-safe.
+    """Frames, thumbnails, memory, observations, things, facts and clips of recordings; thread-safe.
 
     Args:
         cache: Where the files are kept.
@@ -58,8 +59,8 @@ class ReplayCache:
 
         return self._cache.get(_name(recording, task), replay)
 
-    def facts(self, recording: Recording, vocabulary: Path) -> bytes:
-        """Return a recording's facts, float32 (n_facts,), replaying it unless they are cached.
+    def watched(self, recording: Recording, vocabulary: Path) -> Watched:
+        """Return what a vocabulary sees of a recording, replaying it unless that is cached.
 
         Args:
             recording: The recording.
@@ -68,9 +69,10 @@ class ReplayCache:
 
         def replay() -> bytes:
             with self._lock:
-                return self._replays.facts(recording, vocabulary)
+                return self._replays.watch(recording, vocabulary)
 
-        return self._cache.get(f"{version_of(recording)}.{vocabulary.stem}.facts", replay)
+        name = f"{version_of(recording)}.{vocabulary.stem}.watched"
+        return Watched.unpack(self._cache.get(name, replay))
 
     def clip(self, recording: Recording, kind: ClipKind) -> bytes:
         """Return a recording as a GIF, WebP or MP4; raises what ClipMaker.make raises."""

@@ -10,19 +10,20 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
+from typing import Self
 
-import numpy as np
-import numpy.typing as npt
 from sqlalchemy.exc import SQLAlchemyError
 
 from server.play.replays import ReplayProcess
 from server.play.replays.request import Told, UnderstandRequest
 from server.replay_cache import ReplayCache
 from server.vocabularies import VocabularyMaker
+from tril.analysis.outcome import ShownMoment
 from tril.errors import Invalid, NotFound, Unavailable
-from tril.games.base import Game
+from tril.games.base import Clock, Game
 from tril.recording import Recording
 from tril.vocabulary.answers import Answer
+from tril.vocabulary.watched import Watched
 
 _LOG = logging.getLogger(__name__)
 
@@ -30,10 +31,9 @@ LEAST_GAMES = 4
 """Ranked games from which on there is something to say."""
 LEAST_CONTRADICTION = 1.0
 """Log odds by which a game has to be worth more than one above it, to be named."""
-MOST_KEPT = 4_000
-"""Games whose facts are kept in memory, of a few kilobytes each."""
+MOST_KEPT = 2_000
+"""Games that are kept in memory as they were seen, of about 10 kB each."""
 
-Facts = npt.NDArray[np.float32]
 Order = Sequence[Sequence[int]]
 """Ids of recordings in tiers, the best first."""
 RecordingsOf = Callable[[Sequence[int]], Mapping[int, Recording]]
@@ -52,6 +52,31 @@ class State(StrEnum):
     WAITING = "waiting"
     WATCHING = "watching"
     READY = "ready"
+
+
+@dataclass(frozen=True)
+class ShownStatement:
+    """A statement with moments of recordings that show it.
+
+    Attributes:
+        told: The statement.
+        shown: A moment of a better game in which it holds most; None where nothing differs.
+        contrast: A moment of a worse game in which it holds least.
+    """
+
+    told: Told
+    shown: ShownMoment | None
+    contrast: ShownMoment | None
+
+    @classmethod
+    def of(cls, told: Told, recording_ids: Sequence[int], clock: Clock) -> Self:
+        """Return a statement about games whose rows are those of recordings."""
+        moments = told.contrast
+        return cls(
+            told,
+            None if moments is None else moments.most.shown(recording_ids, clock),
+            None if moments is None else moments.least.shown(recording_ids, clock),
+        )
 
 
 @dataclass(frozen=True)
@@ -83,7 +108,7 @@ class OrderUnderstood:
 
     state: State
     progress: float = 1.0
-    statements: tuple[Told, ...] = ()
+    statements: tuple[ShownStatement, ...] = ()
     is_sense: bool | None = None
     values: Mapping[int, float] = field(default_factory=dict)
     contradiction: Contradiction | None = None
@@ -98,7 +123,7 @@ class OrderReader:
 
     Args:
         vocabularies: Makes vocabularies.
-        cache: Makes and keeps the facts of recordings.
+        cache: Watches recordings and keeps what is seen of them.
     """
 
     def __init__(self, vocabularies: VocabularyMaker, cache: ReplayCache) -> None:
@@ -106,9 +131,9 @@ class OrderReader:
         self._cache = cache
         self._process = ReplayProcess()
         self._lock = threading.Lock()
-        self._facts: OrderedDict[tuple[str, int], Facts] = OrderedDict()
+        self._games: OrderedDict[tuple[str, int], Watched] = OrderedDict()
         self._refused: set[tuple[str, int]] = set()
-        self._watched: set[tuple[str, int]] = set()
+        self._at_work: set[tuple[str, int]] = set()
         self._stopping = threading.Event()
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="facts")
 
@@ -139,20 +164,20 @@ class OrderReader:
             return OrderUnderstood(State.LEARNING, making.progress)
         ranked = [key for tier in tiers for key in tier]
         recording_ids = list(dict.fromkeys([*ranked, *best]))
-        facts, n_waiting = self._facts_of(making.path, recording_ids, recordings_of)
-        order = [[key for key in tier if key in facts] for tier in tiers]
+        seen, n_waiting = self._watched_of(making.path, recording_ids, recordings_of)
+        order = [[key for key in tier if key in seen] for tier in tiers]
         order = [tier for tier in order if tier]
         if n_waiting:
             return OrderUnderstood(State.WATCHING, 1 - n_waiting / len(recording_ids))
         if len(order) < 2 or sum(map(len, order)) < LEAST_GAMES:
             return OrderUnderstood(State.WAITING)
-        keys = list(facts)
+        keys = list(seen)
         row = {key: index for index, key in enumerate(keys)}
         understood = self._process.understand(
             UnderstandRequest(
                 game,
                 making.path,
-                np.stack([facts[key] for key in keys]),
+                tuple(seen.values()),
                 [[row[key] for key in tier] for tier in order],
                 tuple(row[key] for key in best if key in row),
                 tuple(answers),
@@ -161,7 +186,9 @@ class OrderReader:
         values = dict(zip(keys, understood.values, strict=True))
         return OrderUnderstood(
             State.READY,
-            statements=understood.statements,
+            statements=tuple(
+                ShownStatement.of(told, keys, game.clock) for told in understood.statements
+            ),
             is_sense=understood.is_sense,
             values=values,
             contradiction=strongest_contradiction(order, values),
@@ -173,24 +200,24 @@ class OrderReader:
         self._thread.shutdown(cancel_futures=True)
         self._process.stop()
 
-    def _facts_of(
+    def _watched_of(
         self,
         vocabulary: Path,
         ids: Sequence[int],
         recordings_of: RecordingsOf,
-    ) -> tuple[dict[int, Facts], int]:
-        """Return the facts of recordings that were watched, and how many are still to be."""
+    ) -> tuple[dict[int, Watched], int]:
+        """Return what was seen of recordings, and how many are still to be watched."""
         name = vocabulary.stem
         with self._lock:
-            facts = {key: self._facts[name, key] for key in ids if (name, key) in self._facts}
-            for key in facts:
-                self._facts.move_to_end((name, key))
-            missing = [key for key in ids if key not in facts and (name, key) not in self._refused]
-            unwatched = [key for key in missing if (name, key) not in self._watched]
-            self._watched.update((name, key) for key in unwatched)
+            seen = {key: self._games[name, key] for key in ids if (name, key) in self._games}
+            for key in seen:
+                self._games.move_to_end((name, key))
+            missing = [key for key in ids if key not in seen and (name, key) not in self._refused]
+            unwatched = [key for key in missing if (name, key) not in self._at_work]
+            self._at_work.update((name, key) for key in unwatched)
         for key in unwatched:
             self._thread.submit(self._watch, vocabulary, key, recordings_of)
-        return facts, len(missing)
+        return seen, len(missing)
 
     def _watch(self, vocabulary: Path, key: int, recordings_of: RecordingsOf) -> None:
         entry = vocabulary.stem, key
@@ -200,7 +227,7 @@ class OrderReader:
             recording = recordings_of([key]).get(key)
             if recording is None:
                 raise NotFound("there is no such recording")
-            facts = np.frombuffer(self._cache.facts(recording, vocabulary), np.float32)
+            watched = self._cache.watched(recording, vocabulary).without_things()
         except (Invalid, NotFound) as refusal:
             _LOG.warning("Recording %d is left out of what Tril understands: %s", key, refusal)
             with self._lock:
@@ -210,12 +237,12 @@ class OrderReader:
             _LOG.warning("Recording %d is not watched yet: %s", key, failure)
         else:
             with self._lock:
-                self._facts[entry] = facts
-                while len(self._facts) > MOST_KEPT:
-                    self._facts.popitem(last=False)
+                self._games[entry] = watched
+                while len(self._games) > MOST_KEPT:
+                    self._games.popitem(last=False)
         finally:
             with self._lock:
-                self._watched.discard(entry)
+                self._at_work.discard(entry)
 
 
 def strongest_contradiction(order: Order, values: Mapping[int, float]) -> Contradiction | None:

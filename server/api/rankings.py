@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated
 
 import numpy as np
-from fastapi import APIRouter, Path, Query, Request
+from fastapi import APIRouter, Request
 from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import JSONResponse, Response
@@ -29,6 +28,7 @@ from server.api.schemas.rankings import (
     VariedGamesWish,
 )
 from server.api.schemas.recordings import Recording
+from server.api.things import picture_url
 from server.api.views.library import library_response
 from server.api.views.recordings import RecordingViews
 from server.dependencies import (
@@ -50,7 +50,6 @@ from tril.store import answers, behaviours, borrowed, library, players, rankings
 from tril.store.models import RankingRow
 from tril.teaching import varied_games
 from tril.vocabulary.answers import Answer
-from tril.vocabulary.making import vocabulary_key
 
 router = APIRouter(prefix="/behaviours/{behaviour_id}/ranking", tags=["ranking"])
 borrowed_router = APIRouter(prefix="/behaviours/{behaviour_id}/borrowed", tags=["ranking"])
@@ -182,16 +181,20 @@ def understand_ranking(
         recordings_of,
     )
     pictured = services.vocabularies.pictured(game)
-    picture = f"/api/behaviours/{behaviour_id}/ranking/things/{{}}.png?v={vocabulary_key(game)}"
+    picture = picture_url(behaviour_id, game)
     return Understanding(
         state=understood.state,
         progress=round(understood.progress, 3),
         statements=[
             UnderstoodStatement(
-                subjects=list(statement.subjects),
-                sentence=statement.sentence,
-                probability=round(statement.probability, 3),
-                pictures=[picture.format(kind) for kind in statement.kinds if kind in pictured],
+                subjects=list(statement.told.subjects),
+                sentence=statement.told.sentence,
+                probability=round(statement.told.probability, 3),
+                shown=statement.shown,
+                contrast=statement.contrast,
+                pictures=[
+                    picture.format(kind) for kind in statement.told.kinds if kind in pictured
+                ],
             )
             for statement in understood.statements
         ],
@@ -200,6 +203,15 @@ def understand_ranking(
         contradiction=understood.contradiction and ContradictingGames.of(understood.contradiction),
         answers=given_answers,
     )
+
+
+@router.get("/answers", responses=NOT_FOUND)
+def list_statement_answers(
+    session: ReadSession, behaviour_id: BehaviourId
+) -> list[StatementAnswer]:
+    """Return what people said of statements, the latest last."""
+    behaviours.get(session, behaviour_id)
+    return answers.current(session, behaviour_id)
 
 
 @router.put("/answers", responses=NOT_FOUND)
@@ -212,33 +224,6 @@ def answer_statement(
         session, behaviour_id, answer.subjects, answer.sentence, answer.meant, identity.player_id
     )
     return answers.current(session, behaviour_id)
-
-
-@slow_router.get(
-    "/ranking/things/{kind}.png",
-    response_class=Response,
-    responses=NOT_FOUND | {200: {"content": {"image/png": {}}}},
-)
-def get_thing_picture(
-    request: Request,
-    behaviour_id: BehaviourId,
-    kind: Annotated[int, Path(ge=0, le=255)],
-    v: Annotated[
-        str | None, Query(max_length=40, description="Makes the answer cacheable.")
-    ] = None,
-) -> Response:
-    """Return a picture of a thing that statements are about, by its kind."""
-    services = services_of(request)
-    with services.database.reading() as session:
-        game = game_of(behaviours.as_behaviour(behaviours.get(session, behaviour_id)))
-    cache_control = "private, max-age=31536000, immutable"
-    return Response(
-        services.vocabularies.picture(game, kind),
-        media_type="image/png",
-        headers={
-            "Cache-Control": cache_control if v == vocabulary_key(game) else "private, no-cache"
-        },
-    )
 
 
 @borrowed_router.get("", response_model=Library, responses=NOT_FOUND)

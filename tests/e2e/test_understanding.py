@@ -112,3 +112,44 @@ def test_the_whole_board_is_seen_without_scrolling(page: Page) -> None:
     assert boxes["statements"]
     assert boxes["order"]["x"] + boxes["order"]["width"] < boxes["statements"]["x"]
     assert page.evaluate("window.scrollY") == 0
+
+
+def test_moments_are_shown_and_what_is_pointed_at_is_meant_and_taken_back(page: Page) -> None:
+    panel = page.get_by_role("region", name="What Tril understood")
+    show = panel.get_by_role("button", name=re.compile("^Show: "))
+    expect(show.first).to_be_visible(timeout=PATIENCE_MS)
+    show.first.click()
+    expect(panel.get_by_role("img", name=re.compile("^Game screen of"))).to_have_count(2)
+    panel.get_by_role("button", name=re.compile("^Hide: ")).click()
+    expect(panel.get_by_role("img", name=re.compile("^Game screen of"))).to_have_count(0)
+
+    point = panel.get_by_role("button", name="Point at it")
+    point.click()
+    dialog = page.get_by_role("dialog", name="Point at what you mean")
+    player = dialog.get_by_role("button", name="what you steer", exact=True)
+    expect(player).to_be_visible()
+    boxes = dialog.locator("[data-kind]")
+    expect(boxes.first).to_be_visible(timeout=PATIENCE_MS)
+    # The list marks the thing in the picture, and the picture the thing in the list.
+    kind = boxes.last.get_attribute("data-kind")
+    boxes.last.click()
+    expect(dialog.locator(f"[data-kind='{kind}'][class*=marked]").first).to_be_visible()
+    dialog.get_by_role("button", name="Another thing").click()
+
+    player.focus()
+    page.keyboard.press("Enter")
+    expect(dialog.get_by_role("heading", name="what you steer")).to_be_focused()
+    sentence = "what you steer higher up or lower down"
+    dialog.get_by_role("button", name=sentence).click()
+    expect(dialog).to_have_count(0)
+    expect(point).to_be_focused()
+    expect(panel.get_by_text(re.compile("^You said that this is it")).first).to_be_visible()
+    # Every statement is about it now, in the order's own words.
+    first = panel.get_by_role("listitem").first
+    expect(first).to_contain_text(re.compile("what you steer (higher|lower|.*from the top)"))
+
+    page.reload()
+    back = panel.get_by_role("button", name=re.compile("^Take back: what you steer"))
+    expect(back.first).to_be_visible(timeout=PATIENCE_MS)
+    back.first.click()
+    expect(panel.get_by_text(re.compile("^You said that this is it"))).to_have_count(0)

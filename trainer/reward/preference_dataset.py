@@ -155,10 +155,14 @@ class PreferenceDataset:
     def summary(self, index: int) -> Facts:
         """Return the facts of a game, float32 (n_facts,)."""
         if index not in self._summaries:
-            facts = self.trajectories[index].facts
-            assert facts is not None
-            self._summaries[index] = self.words.summary(facts)
+            self._summaries[index] = self.words.summary(self.facts(index))
         return self._summaries[index]
+
+    def facts(self, index: int) -> Facts:
+        """Return the facts of a game's steps, float32 (T, n_facts)."""
+        facts = self.trajectories[index].facts
+        assert facts is not None
+        return facts
 
     @property
     def ranked(self) -> tuple[int, ...]:

@@ -102,16 +102,37 @@ class WantedAliens(Stored):
         return cls(labels=rounded[0], in_order=rounded[1])
 
 
+class ShownMoment(Stored):
+    """A few seconds of a recording.
+
+    Attributes:
+        recording_id: The recording.
+        first_frame: The frame that it begins with.
+        n_frames: Its length.
+    """
+
+    recording_id: int
+    first_frame: int
+    n_frames: int
+
+
 class ToldStatement(Stored):
     """What an order is about, in words.
 
     Attributes:
         sentence: E.g. "what you steer further to the left".
         probability: Probability of the statement, 0 to 1.
+        subjects: What it is about, in order, see tril.vocabulary.answers; empty in runs that
+            earlier versions made.
+        shown: A moment of a better game in which it holds most; None where nothing differs.
+        contrast: A moment of a worse game in which it holds least.
     """
 
     sentence: str
     probability: float
+    subjects: list[str] = []
+    shown: ShownMoment | None = None
+    contrast: ShownMoment | None = None
 
 
 class CheckVerdict(CheckFigures):

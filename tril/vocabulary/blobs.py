@@ -38,6 +38,13 @@ Blobs = npt.NDArray[np.void]
 """Blobs, BLOB_DTYPE (n,)."""
 
 
+def box_of(blobs: Blobs) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    """Return the left column and the top row of each blob, int64 (n,) each."""
+    left = np.rint(blobs["x"] - (blobs["width"] - 1) / 2).astype(np.int64)
+    top = np.rint(blobs["y"] - (blobs["height"] - 1) / 2).astype(np.int64)
+    return left, top
+
+
 class Background:
     """Counts the colours of every pixel; the most frequent one is the background.
 

@@ -15,7 +15,7 @@ from tril.files.artifact_store import write_whole
 from tril.games.base import Console, Game, Screen
 from tril.play.episode import Episode
 from tril.recording import Recording, replay
-from tril.vocabulary.blobs import Blobs
+from tril.vocabulary.blobs import Blobs, box_of
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.trace import colours_of, trace
 
@@ -120,8 +120,7 @@ def _cut(
 
 
 def _box(blob: Blobs) -> tuple[slice, slice]:
-    left = round(float(blob["x"] - (blob["width"] - 1) / 2))
-    top = round(float(blob["y"] - (blob["height"] - 1) / 2))
+    left, top = (int(place) for place in box_of(blob))
     return slice(top, top + int(blob["height"])), slice(left, left + int(blob["width"]))
 
 

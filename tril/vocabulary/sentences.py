@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -48,12 +48,14 @@ class Telling:
         probability: Of all statements that say the same.
         groups: Indices of the groups of the most probable one of them.
         subjects: What they are about, in order; see `subject_of`.
+        statement: That statement.
     """
 
     sentence: str
     probability: float
     groups: tuple[int, ...]
     subjects: tuple[str, ...]
+    statement: Statement = field(compare=False, repr=False)
 
     def kinds(self, words: Vocabulary) -> tuple[int, ...]:
         """Return the kinds of things that it is about, of a relation the other thing's."""
@@ -94,7 +96,7 @@ def tell(
         if known is None:
             sentence = ", and ".join(text for _, text, _ in parts)
             groups = tuple(index for index, _, _ in parts)
-            told[subject] = Telling(sentence, statement.probability, groups, subject)
+            told[subject] = Telling(sentence, statement.probability, groups, subject, statement)
         else:
             told[subject] = replace(known, probability=known.probability + statement.probability)
     return tuple(sorted(told.values(), key=lambda one: -one.probability)[:n_tellings])

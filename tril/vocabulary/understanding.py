@@ -11,6 +11,7 @@ import numpy.typing as npt
 from tril.errors import Invalid
 from tril.vocabulary.answers import Answer, Conditions
 from tril.vocabulary.facts import Vocabulary
+from tril.vocabulary.moments import Contrast, Seconds, contrast
 from tril.vocabulary.posterior import (
     NOTHING_LEFT,
     Choices,
@@ -66,6 +67,20 @@ class Understanding:
             np.add.at(row, statement.columns, statement.weights)
         scaled: Array = rows / self.spread
         return scaled
+
+    def contrast(
+        self, statement: Statement, games: Sequence[Seconds], tiers: Tiers
+    ) -> Contrast | None:
+        """Choose two moments of the ranked games that show a statement; None if none differ.
+
+        Args:
+            statement: The statement.
+            games: Facts of the games by the second.
+            tiers: Rows of the ranked games, the best tier first.
+        """
+        columns = statement.columns
+        weights = statement.weights / self.spread[columns]
+        return contrast([seconds[:, columns] @ weights for seconds in games], tiers)
 
     def mean_coefficients(self) -> Array:
         """Return the coefficients averaged over statements, float64 (n_facts,)."""

@@ -8,6 +8,7 @@ import type {
   Run,
   RunResults,
   System,
+  ToldStatement,
 } from "@/api/types";
 
 export function behaviour(change: Partial<Behaviour> = {}): Behaviour {
@@ -215,4 +216,13 @@ export function system(workerAlive: boolean): System {
     },
     has_example: false,
   };
+}
+
+/** A statement that nothing is shown of. */
+export function statement(
+  sentence: string,
+  probability: number,
+  change: Partial<ToldStatement> = {},
+): ToldStatement {
+  return { sentence, probability, subjects: [], shown: null, contrast: null, ...change };
 }

@@ -9,7 +9,7 @@ from pydantic import FailFast, Field, StrictBool
 
 from server.api.schemas.base import Id, Schema
 from server.understanding import State
-from tril.analysis.outcome import StatementAnswer, WantedAliens
+from tril.analysis.outcome import StatementAnswer, ToldStatement, WantedAliens
 from tril.text import Line
 
 # Otherwise each wrong id is an error, which takes the event loop 40 microseconds.
@@ -110,16 +110,43 @@ class ShownOrder(Schema):
     tiers: Tiers
 
 
-class UnderstoodStatement(Schema):
-    """A statement that fits an order, e.g. "what you steer further to the left".
+class UnderstoodStatement(ToldStatement):
+    """A statement that fits an order; ``pictures`` are those of its things, if there are any."""
 
-    ``subjects`` names what it is about; ``pictures`` are those of the things, where there are any.
-    """
+    pictures: list[str]
+
+
+class Meaning(Schema):
+    """What may be meant, e.g. "what you steer further to the left or right"."""
 
     subjects: list[str]
     sentence: str
-    probability: float
-    pictures: list[str]
+
+
+class NamedThing(Schema):
+    """A kind of things on the game's screen, and what may be meant of it."""
+
+    kind: int
+    name: str
+    picture: str | None
+    meanings: list[Meaning]
+
+
+class NamedThings(Schema):
+    """What may be meant: of things, what the player steers first, and of what is no thing."""
+
+    things: list[NamedThing]
+    others: list[Meaning]
+
+
+class ThingInSight(Schema):
+    """A thing in a step of a recording: its kind, and its box in pixels of the game."""
+
+    kind: int
+    left: int
+    top: int
+    width: int
+    height: int
 
 
 class StatementAnswerUpdate(Schema):

@@ -16,7 +16,6 @@ from server.play.replays.request import (
     Answer,
     AnyRequest,
     Content,
-    FactsRequest,
     LoadRequest,
     MeasureRequest,
     ReplayTask,
@@ -24,6 +23,7 @@ from server.play.replays.request import (
     UnderstandRequest,
     Understood,
     VariedPlayRequest,
+    WatchRequest,
 )
 from tril.errors import Unavailable
 from tril.exchange.formats.recording_file import ImportedRecording
@@ -107,8 +107,10 @@ class ReplayProcess:
         request = MeasureRequest(recording, tuple(measures))
         return self._thread.submit(self._measure, request).result()
 
-    def facts(self, recording: Recording, vocabulary: Path) -> bytes:
-        """Return a recording's facts in a replay, float32 (n_facts,), in turn with others.
+    def watch(self, recording: Recording, vocabulary: Path) -> bytes:
+        """Return what a vocabulary sees of a recording in a replay, in turn with others.
+
+        See `tril.vocabulary.watched.Watched.pack`.
 
         Args:
             recording: The recording.
@@ -118,7 +120,7 @@ class ReplayProcess:
             RecordingRefused: The recording goes on after its game's end.
             Unavailable: It could not be replayed.
         """
-        return self._thread.submit(self._facts, FactsRequest(recording, vocabulary)).result()
+        return self._thread.submit(self._watch, WatchRequest(recording, vocabulary)).result()
 
     def understand(self, request: UnderstandRequest) -> Understood:
         """Infer what an order is about, which takes a fifth of a second.
@@ -153,7 +155,7 @@ class ReplayProcess:
         assert isinstance(content, Mapping)
         return content
 
-    def _facts(self, request: FactsRequest) -> bytes:
+    def _watch(self, request: WatchRequest) -> bytes:
         content = self._content(request)
         assert isinstance(content, bytes)
         return content

@@ -26,10 +26,11 @@ from tril.play.consoles import Consoles
 from tril.recording import Recording, Verified, verify
 from tril.vocabulary.answers import Answer as StatementAnswer
 from tril.vocabulary.facts import Vocabulary
+from tril.vocabulary.moments import Contrast
 from tril.vocabulary.posterior import NothingPossible, Tiers
 from tril.vocabulary.sentences import tell
-from tril.vocabulary.trace import trace
-from tril.vocabulary.understanding import Summaries, shuffles_as_good, understand
+from tril.vocabulary.understanding import shuffles_as_good, understand
+from tril.vocabulary.watched import Watched
 
 
 class ReplayTask(StrEnum):
@@ -95,8 +96,8 @@ class MeasureRequest:
 
 
 @dataclass(frozen=True)
-class FactsRequest:
-    """A request for the facts of a recording, as `Vocabulary.summary` returns them.
+class WatchRequest:
+    """A request to see a recording in the terms of its game's vocabulary, as `Watched.pack` does.
 
     Attributes:
         recording: The recording.
@@ -114,7 +115,7 @@ class UnderstandRequest:
     Attributes:
         game: The game.
         vocabulary: File of its vocabulary.
-        summaries: Facts of the games, float32 (n_games, n_facts).
+        games: The games.
         tiers: Rows of the ranked games, the best tier first.
         best: Rows of the best efforts.
         answers: Answers about statements, the latest last.
@@ -122,7 +123,7 @@ class UnderstandRequest:
 
     game: Game
     vocabulary: Path
-    summaries: Summaries
+    games: tuple[Watched, ...]
     tiers: Tiers
     best: tuple[int, ...]
     answers: tuple[StatementAnswer, ...]
@@ -137,12 +138,14 @@ class Told:
         probability: Probability of the statement.
         subjects: Subjects of the statement.
         kinds: Kinds of things that it is about.
+        contrast: Moments of the ranked games that show it, by the games' rows; None if none do.
     """
 
     sentence: str
     probability: float
     subjects: tuple[str, ...]
     kinds: tuple[int, ...]
+    contrast: Contrast | None = None
 
 
 @dataclass(frozen=True)
@@ -161,7 +164,7 @@ class Understood:
 
 
 AnyRequest = (
-    Request | VariedPlayRequest | LoadRequest | MeasureRequest | FactsRequest | UnderstandRequest
+    Request | VariedPlayRequest | LoadRequest | MeasureRequest | WatchRequest | UnderstandRequest
 )
 Content = bytes | Verified | ImportedRecording | Values | Understood
 
@@ -212,11 +215,9 @@ def execute(request: AnyRequest, consoles: Consoles) -> Content:
     if isinstance(request, MeasureRequest):
         verified = verify(request.recording, console=console, measures=request.measures)
         return verified.replay.measured
-    if isinstance(request, FactsRequest):
+    if isinstance(request, WatchRequest):
         words = _vocabulary(request.vocabulary)
-        return words.summary(
-            words.facts(trace(request.recording, console, words.background))
-        ).tobytes()
+        return Watched.of(request.recording, console, words).pack()
     if request.task is ReplayTask.CHECK:
         verify(request.recording, request.taken, console)
         return b""
@@ -230,24 +231,24 @@ def _vocabulary(path: Path) -> Vocabulary:
 
 def _understand(request: UnderstandRequest) -> Understood:
     words = _vocabulary(request.vocabulary)
+    summaries = np.stack([game.summary for game in request.games])
+    order = words, summaries, request.tiers, request.best, request.answers
     try:
-        understanding = understand(
-            words, request.summaries, request.tiers, request.best, request.answers
-        )
+        understanding = understand(*order)
     except NothingPossible:
-        return Understood((), True, (0.0,) * len(request.summaries))
+        return Understood((), True, (0.0,) * len(summaries))
+    seconds = [game.seconds for game in request.games]
     return Understood(
         tuple(
             Told(
-                statement.sentence,
-                statement.probability,
-                statement.subjects,
-                statement.kinds(words),
+                telling.sentence,
+                telling.probability,
+                telling.subjects,
+                telling.kinds(words),
+                understanding.contrast(telling.statement, seconds, request.tiers),
             )
-            for statement in tell(words, understanding.posterior, request.game, understanding.meant)
+            for telling in tell(words, understanding.posterior, request.game, understanding.meant)
         ),
-        not shuffles_as_good(
-            words, request.summaries, request.tiers, request.best, request.answers
-        ),
-        tuple(understanding.value(request.summaries).tolist()),
+        not shuffles_as_good(*order),
+        tuple(understanding.value(summaries).tolist()),
     )

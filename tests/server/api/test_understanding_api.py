@@ -117,6 +117,59 @@ def test_things_have_pictures(learned: Learned) -> None:
     assert client.get(f"{RANKING}/things/250.png").status_code == 404
 
 
+def test_a_statement_has_moments_of_a_better_and_a_worse_game(learned: Learned) -> None:
+    client, games = learned.client, learned.games
+    told = understood(client, games)
+    differing = [one for one in told["statements"] if one["shown"]]
+    assert differing
+    for one in differing:
+        assert one["contrast"] is not None
+        for moment in (one["shown"], one["contrast"]):
+            recording = client.get(f"/api/recordings/{moment['recording_id']}").json()
+            assert moment["recording_id"] in games
+            assert 0 < moment["n_frames"] <= 300
+            assert moment["first_frame"] + moment["n_frames"] <= recording["n_frames"]
+
+
+def test_things_are_named_with_what_may_be_meant_of_them(learned: Learned) -> None:
+    named = learned.client.get(f"{RANKING}/things").json()
+    first, *rest = named["things"]
+    assert first["name"] == "what you steer"
+    assert rest
+    for thing in named["things"]:
+        assert thing["meanings"]
+        if thing["picture"]:
+            assert learned.client.get(thing["picture"]).content.startswith(b"\x89PNG")
+    sentences = [one["sentence"] for one in named["others"]]
+    assert "the game going on longer or less long" in sentences
+    # What is meant by pointing counts as "this is it" does.
+    meant = first["meanings"][0]
+    answer(learned.client, meant, True)
+    told = understood(learned.client, learned.games)
+    assert all(set(meant["subjects"]) <= set(one["subjects"]) for one in told["statements"])
+    assert answer(learned.client, meant, None) == []
+
+
+def test_things_in_sight_have_boxes_on_the_screen(learned: Learned) -> None:
+    client, game = learned.client, learned.games[0]
+    url = f"{RANKING}/things/in-sight"
+    things = client.get(url, params={"recording_id": game, "step": 20}).json()
+    kinds = {one["kind"] for one in client.get(f"{RANKING}/things").json()["things"]}
+    assert things
+    assert {one["kind"] for one in things} <= kinds
+    areas = [one["width"] * one["height"] for one in things]
+    assert areas == sorted(areas, reverse=True)
+    for one in things:
+        assert 0 <= one["left"] <= one["left"] + one["width"] <= 160
+        assert 0 <= one["top"] <= one["top"] + one["height"] <= 210
+    assert client.get(url, params={"recording_id": game, "step": 9_999}).status_code == 422
+    assert client.get(url, params={"recording_id": 9_999, "step": 1}).status_code == 404
+
+
+def test_things_of_a_game_that_was_not_learned_yet_are_none(client: TestClient) -> None:
+    assert client.get(f"{RANKING}/things").status_code == 404
+
+
 def test_few_games_wait_for_more_and_those_of_others_are_left_out(
     learned: Learned,
 ) -> None:
@@ -134,6 +187,9 @@ def test_an_answer_counts_is_logged_and_can_be_taken_back(learned: Learned) -> N
     assert answer(client, second, True) == [
         {"subjects": second["subjects"], "sentence": second["sentence"], "meant": True}
     ]
+    assert client.get(f"{RANKING}/answers").json() == [
+        {"subjects": second["subjects"], "sentence": second["sentence"], "meant": True}
+    ]
     meant = ask(client, [[key] for key in games])
     assert [one["meant"] for one in meant["answers"]] == [True]
     assert all(set(second["subjects"]) <= set(one["subjects"]) for one in meant["statements"])
@@ -144,7 +200,7 @@ def test_an_answer_counts_is_logged_and_can_be_taken_back(learned: Learned) -> N
     assert ask(client, [[key] for key in games])["statements"] == before["statements"]
     with learned.workplace.database.reading() as session:
         said = [row for row in session.query(AuditRow) if row.action == "answered a statement"]
-    assert [row.details["meant"] for row in said] == [True, False, None]
+    assert [row.details["meant"] for row in said][-3:] == [True, False, None]
     assert {row.player_name for row in said} != {None}
 
 

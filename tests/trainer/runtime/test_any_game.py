@@ -87,4 +87,9 @@ def test_a_run_in_any_game_is_learned_and_evaluated(
     assert [one.meant for one in check.answers] == [True] * is_statement
     # What was said to be meant is part of all that was understood.
     assert all("the game going on" in one.sentence for one in check.statements)
+    assert all("time played" in one.subjects for one in check.statements)
+    lengths = dict(zip(ids, (played.recording.n_frames for played in reversed(games)), strict=True))
+    moments = [m for one in check.statements for m in (one.shown, one.contrast) if m]
+    for moment in moments:
+        assert moment.first_frame + moment.n_frames <= lengths[moment.recording_id]
     assert workplace.run(run_id).versions["game_version"] == game.version

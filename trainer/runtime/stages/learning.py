@@ -25,6 +25,7 @@ from tril.analysis.outcome import (
     ToldStatement,
     WantedAliens,
 )
+from tril.vocabulary.moments import seconds_of
 from tril.vocabulary.sentences import tell
 
 
@@ -81,14 +82,24 @@ def _wanted_aliens(data: RunData) -> WantedAliens:
 
 
 def _statements(data: RunData) -> list[ToldStatement]:
-    understanding = understanding_of(data.preference_dataset)
-    told_statements = tell(
-        understanding.words, understanding.posterior, data.context.game, understanding.meant
-    )
-    return [
-        ToldStatement(sentence=statement.sentence, probability=round(statement.probability, 3))
-        for statement in told_statements
-    ]
+    dataset, game = data.preference_dataset, data.context.game
+    understanding = understanding_of(dataset)
+    # The ranked trajectories are the first ones, in the snapshot's order.
+    ranked = data.snapshot.ranked
+    seconds = [seconds_of(dataset.facts(index), game.clock) for index in range(len(ranked))]
+    statements = []
+    for told in tell(understanding.words, understanding.posterior, game, understanding.meant):
+        contrast = understanding.contrast(told.statement, seconds, dataset.tiers)
+        statements.append(
+            ToldStatement(
+                sentence=told.sentence,
+                probability=round(told.probability, 3),
+                subjects=list(told.subjects),
+                shown=contrast and contrast.most.shown(ranked, game.clock),
+                contrast=contrast and contrast.least.shown(ranked, game.clock),
+            )
+        )
+    return statements
 
 
 def learn_clone(data: RunData, progress: Progress) -> None:

@@ -14,19 +14,22 @@ import styles from "./ScreenInStep.module.css";
 import type { Played, Screens } from "./use-playback-in-step";
 
 interface ScreenInStepProps {
-  game: Played;
+  /** Undefined until it is known. */
+  game: Played | undefined;
   /** What the game is called, in its label and where it is missing. */
   name: string;
   /** Undefined until it is known which. */
   screens: Screens | undefined;
   playback: Playback | null;
+  /** The recording's frame that is shown with the playback's first one. */
+  firstFrame?: number | undefined;
   /** Height available for the screen, in CSS pixels. Must be a stable reference. */
   screenHeight: (windowHeight: number) => number;
 }
 
 /** The screen of a recording that plays in step with others, or why it is missing. */
 export function ScreenInStep(props: ScreenInStepProps) {
-  const { game: played, name, screens, playback, screenHeight } = props;
+  const { game: played, name, screens, playback, firstFrame = 0, screenHeight } = props;
   const game = useGame();
   const stage = useRef<HTMLDivElement>(null);
   const size = useFittingScreenSize(stage, screenHeight, game);
@@ -43,9 +46,10 @@ export function ScreenInStep(props: ScreenInStepProps) {
       ) : (
         playback && (
           <Screen
-            key={played.frames_url}
+            key={played?.frames_url}
             frames={screens.frames}
             playback={playback}
+            firstFrame={firstFrame}
             size={size}
             label={t`Game screen of ${name}`}
           />
@@ -58,11 +62,13 @@ export function ScreenInStep(props: ScreenInStepProps) {
 function Screen({
   frames,
   playback,
+  firstFrame,
   size,
   label,
 }: {
   frames: RecordedFrames;
   playback: Playback;
+  firstFrame: number;
   size: ScreenSize;
   label: string;
 }) {
@@ -70,9 +76,9 @@ function Screen({
   useEffect(() => {
     if (!painter) return undefined;
     painter.setFormat(frames.header);
-    const draw = () => painter.draw(frames.show(playback.snapshot().frame));
+    const draw = () => painter.draw(frames.show(firstFrame + playback.snapshot().frame));
     draw();
     return playback.subscribe(draw);
-  }, [frames, painter, playback]);
+  }, [frames, painter, playback, firstFrame]);
   return <GameCanvas size={size} label={label} onPainter={setPainter} />;
 }

@@ -2,16 +2,16 @@ import { act, fireEvent, screen, waitFor, within } from "@testing-library/react"
 import userEvent from "@testing-library/user-event";
 import { describe, expect, it, vi } from "vitest";
 
-import type { Behaviour, PolicySummary, RunResults } from "@/api/types";
+import type { Behaviour, PolicySummary, RunResults, StatementAnswer } from "@/api/types";
 import { figuresOf } from "@/features/results/result/figures";
 import { ResultView } from "@/features/results/result/ResultView";
 import { shownGames } from "@/features/results/result/shown-games";
 
-import { behaviour, game, recording, results, run } from "../../support/data";
+import { behaviour, game, recording, results, run, statement } from "../../support/data";
 import { framesFile } from "../../support/frames";
 import { SPACE_INVADERS } from "../../support/games";
 import { show } from "../../support/page";
-import { Refusal, serve } from "../../support/server";
+import { type Asked, Refusal, serve } from "../../support/server";
 
 const ONE = run({ status: "done" });
 const BEST = recording({ id: 12, n_frames: 16, start: { idle_frames: 70 } });
@@ -39,7 +39,7 @@ const CHECK: NonNullable<RunResults["check"]> = {
   advice: "",
   warning: "",
   wanted: null,
-  statements: [{ sentence: "what you steer further to the left", probability: 0.83 }],
+  statements: [statement("what you steer further to the left", 0.83)],
   answers: [],
   confused: [],
   returns: [],
@@ -159,6 +159,61 @@ describe("what a result says", () => {
       "href",
       "/behaviours/1/rank",
     );
+  });
+
+  it("is answered there, and offers to train again with what is answered", async () => {
+    const LEFT = "what you steer further to the left";
+    const told = [
+      statement(LEFT, 0.83, { subjects: ["thing 12:8-8x9-9 x"] }),
+      statement("FIRE held less", 0.09, { subjects: ["button 0 held"] }),
+    ];
+    let answers: StatementAnswer[] = [];
+    const asked = open({ check: { ...CHECK, statements: told } }, behaviour(), {
+      "GET /api/behaviours/1/ranking/answers": () => answers,
+      "PUT /api/behaviours/1/ranking/answers": ({ body }: Asked) => {
+        const { meant, ...given } = body as Omit<StatementAnswer, "meant"> & {
+          meant: boolean | null;
+        };
+        answers = meant === null ? [] : [{ ...given, meant }];
+        return answers;
+      },
+    });
+    await userEvent.click(await screen.findByRole("button", { name: `This is it: ${LEFT}` }));
+    expect(await screen.findByText("You said that this is it.")).toBeVisible();
+    expect(asked.find(({ method }) => method === "PUT")?.body).toEqual({
+      subjects: ["thing 12:8-8x9-9 x"],
+      sentence: LEFT,
+      meant: true,
+    });
+    const again = screen.getByRole("link", { name: "Train again with this answer" });
+    expect(again.getAttribute("href")).toMatch(/^\/behaviours\/1\/train\?recipe=/);
+
+    const back = screen.getByRole("button", { name: `Take back: ${LEFT}` });
+    await waitFor(() => expect(back).toHaveAttribute("aria-disabled", "false"));
+    await userEvent.click(back);
+    expect(await screen.findByText(/Is this what you meant/)).toBeVisible();
+    expect(screen.queryByRole("link", { name: /Train again/ })).toBeNull();
+
+    const not = screen.getByRole("button", { name: `Not this: ${LEFT}` });
+    await waitFor(() => expect(not).toHaveAttribute("aria-disabled", "false"));
+    await userEvent.click(not);
+    expect(await screen.findByText("You said that it is not this.")).toBeVisible();
+    expect(screen.getByRole("heading", { name: /^What Tril understood/ })).toHaveFocus();
+  });
+
+  it("offers to train again without what was taken back, and nothing where the run was told", async () => {
+    const subjects = ["button 0 held"];
+    const known = [{ subjects, sentence: "FIRE held less", meant: true }];
+    let answers: StatementAnswer[] = known;
+    const statements = [statement("FIRE held less", 0.9, { subjects })];
+    open({ check: { ...CHECK, statements, answers: known } }, behaviour(), {
+      "GET /api/behaviours/1/ranking/answers": () => answers,
+      "PUT /api/behaviours/1/ranking/answers": () => (answers = []),
+    });
+    expect(await screen.findByText("You said that this is it.")).toBeVisible();
+    expect(screen.queryByRole("link", { name: /Train again/ })).toBeNull();
+    await userEvent.click(screen.getByRole("button", { name: "Take back: FIRE held less" }));
+    expect(await screen.findByRole("link", { name: "Train again without it" })).toBeVisible();
   });
 
   it("asks nothing where the reward is no statement", async () => {

@@ -7,7 +7,7 @@ import type { PolicySummary, Recording, Run, RunResults, System } from "@/api/ty
 import { RunPage } from "@/features/results/RunPage";
 import { RunsPage } from "@/features/results/RunsPage";
 
-import { behaviour, game, recording, results, run, system } from "../../support/data";
+import { behaviour, game, recording, results, run, statement, system } from "../../support/data";
 import { framesFile } from "../../support/frames";
 import { libraryOf } from "../../support/library";
 import { show } from "../../support/page";
@@ -458,8 +458,8 @@ describe("the results", () => {
 
   it("say what the order is about where the reward is a statement", async () => {
     const statements = [
-      { sentence: "what you steer further to the left", probability: 0.83 },
-      { sentence: "FIRE held less", probability: 0.09 },
+      statement("what you steer further to the left", 0.83),
+      statement("FIRE held less", 0.09),
     ];
     const answers = [{ subjects: ["button 0 held"], sentence: "FIRE held less", meant: false }];
     const check = results.check && { ...results.check, wanted: null, statements, answers };

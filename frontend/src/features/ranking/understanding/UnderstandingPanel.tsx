@@ -3,21 +3,20 @@ import { Trans } from "@lingui/react/macro";
 import { useId, useRef, useState } from "react";
 
 import { messageOf } from "@/api/client";
-import type { StatementAnswer, Understanding, UnderstoodStatement } from "@/api/types";
+import type { Understanding } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Icon } from "@/components/controls/Icon";
-import { ShareBar } from "@/components/ShareBar";
+import { StatementList } from "@/components/statements/StatementList";
+import { isAbout, shownOf } from "@/components/statements/statements";
+import { useAnswering } from "@/components/statements/use-answering";
 import type { Tiers } from "@/features/ranking/order/order";
 import { useGame } from "@/games/game";
-import { percent, percentDone } from "@/lib/format";
+import { percentDone } from "@/lib/format";
 import { recordingName } from "@/lib/recordings";
 
+import { PointDialog } from "./PointDialog";
 import styles from "./UnderstandingPanel.module.css";
 import { useUnderstanding } from "./use-understanding";
-
-/** Statements that are shown however improbable they are, and from which probability on others. */
-const LEAST_SHOWN = 3;
-const SHOWN_FROM = 0.02;
 
 interface UnderstandingPanelProps {
   behaviourId: number;
@@ -30,25 +29,15 @@ interface UnderstandingPanelProps {
 export function UnderstandingPanel({ behaviourId, tiers, perfect }: UnderstandingPanelProps) {
   const titleId = useId();
   const title = useRef<HTMLHeadingElement>(null);
-  const { told, error, answer, isAnswering } = useUnderstanding(behaviourId, tiers, perfect);
-  const [spoken, setSpoken] = useState("");
+  const { told, error } = useUnderstanding(behaviourId, tiers, perfect);
+  const answering = useAnswering(behaviourId);
   const statements = told ? shownOf(told.statements) : [];
   // As many places as were needed so far, so that the board below stays where it is.
   const [nPlaces, setNPlaces] = useState(0);
   if (statements.length > nPlaces) setNPlaces(statements.length);
-  const apart = told?.answers.filter(
-    (one) => !one.meant || !statements.some((shown) => isAbout(one, shown)),
-  );
-
-  /** Answers; the button of what goes takes the focus with it. */
-  function say({ subjects, sentence }: Said, meant: boolean | null, goes = false) {
-    if (isAnswering) return;
-    answer({ subjects, sentence, meant });
-    if (meant === null) setSpoken(t`Taken back: ${sentence}.`);
-    else if (meant) setSpoken(t`Noted as what you mean: ${sentence}.`);
-    else setSpoken(t`Noted as not what you mean: ${sentence}.`);
-    if (goes) title.current?.focus();
-  }
+  const apart = told?.answers.filter((one) => !statements.some((shown) => isAbout(one, shown)));
+  const [pointing, setPointing] = useState(false);
+  const focusTitle = () => title.current?.focus();
 
   return (
     <section className={styles.panel} aria-labelledby={titleId}>
@@ -57,54 +46,24 @@ export function UnderstandingPanel({ behaviourId, tiers, perfect }: Understandin
       </h3>
       <Situation told={told} error={error} />
       {nPlaces > 0 && told && (
-        <ol className={styles.statements} data-places={nPlaces}>
-          {statements.map((statement) => {
-            const said = told.answers.find((one) => one.meant && isAbout(one, statement));
-            return (
-              <li key={statement.subjects.join()}>
-                <Pictures urls={statement.pictures} />
-                <span className={styles.sentence}>
-                  {statement.sentence}
-                  {said && (
-                    <span className={styles.said}>
-                      <Icon name="check" />
-                      <Trans>You said that this is it.</Trans>
-                    </span>
-                  )}
-                </span>
-                <span className={styles.share}>
-                  <ShareBar share={statement.probability} />
-                  {percent(statement.probability, 0)}
-                </span>
-                <span className={styles.choice}>
-                  {/* One button, so that it keeps the focus. */}
-                  <Button
-                    kind={said ? "quiet" : "secondary"}
-                    aria-label={
-                      said
-                        ? t`Take back: ${statement.sentence}`
-                        : t`This is it: ${statement.sentence}`
-                    }
-                    aria-disabled={isAnswering}
-                    onClick={() => say(statement, said ? null : true)}
-                  >
-                    {said ? <Trans>Take back</Trans> : <Trans>This is it</Trans>}
-                  </Button>
-                  {!said && (
-                    <Button
-                      kind="quiet"
-                      aria-label={t`Not this: ${statement.sentence}`}
-                      aria-disabled={isAnswering}
-                      onClick={() => say(statement, false, true)}
-                    >
-                      <Trans>Not this</Trans>
-                    </Button>
-                  )}
-                </span>
-              </li>
-            );
-          })}
-        </ol>
+        <StatementList
+          behaviourId={behaviourId}
+          statements={statements}
+          answers={told.answers}
+          answering={answering}
+          nPlaces={nPlaces}
+          onGone={focusTitle}
+        />
+      )}
+      {told?.state === "ready" && (
+        <p className={styles.none}>
+          <Button icon="eye" onClick={() => setPointing(true)}>
+            <Trans>Point at it</Trans>
+          </Button>
+          <span>
+            <Trans>None of these? Point at what you mean in one of the games.</Trans>
+          </span>
+        </p>
       )}
       {told && <Doubt told={told} />}
       {apart && apart.length > 0 && (
@@ -122,8 +81,11 @@ export function UnderstandingPanel({ behaviourId, tiers, perfect }: Understandin
                 kind="quiet"
                 icon="undo"
                 aria-label={t`Take back: ${one.sentence}`}
-                aria-disabled={isAnswering}
-                onClick={() => say(one, null, true)}
+                aria-disabled={answering.isAnswering}
+                onClick={() => {
+                  answering.say(one, null);
+                  focusTitle();
+                }}
               >
                 <Trans>Take back</Trans>
               </Button>
@@ -132,21 +94,20 @@ export function UnderstandingPanel({ behaviourId, tiers, perfect }: Understandin
         </ul>
       )}
       <p role="status" className="visually-hidden">
-        {spoken}
+        {answering.spoken}
       </p>
+      {pointing && (
+        <PointDialog
+          behaviourId={behaviourId}
+          recordingIds={tiers.flat()}
+          onMean={(meaning) => {
+            answering.say(meaning, true);
+            setPointing(false);
+          }}
+          onClose={() => setPointing(false)}
+        />
+      )}
     </section>
-  );
-}
-
-type Said = Pick<UnderstoodStatement, "subjects" | "sentence">;
-
-function isAbout(answer: StatementAnswer, { subjects }: Said): boolean {
-  return answer.subjects.join() === subjects.join();
-}
-
-function shownOf(statements: readonly UnderstoodStatement[]): readonly UnderstoodStatement[] {
-  return statements.filter(
-    ({ probability }, place) => place < LEAST_SHOWN || probability >= SHOWN_FROM,
   );
 }
 
@@ -209,16 +170,6 @@ function Progress({ share, children }: { share: number; children: string }) {
       <p id={labelId}>{children}</p>
       <progress aria-labelledby={labelId} value={share} max={1} />
     </div>
-  );
-}
-
-function Pictures({ urls }: { urls: readonly string[] }) {
-  return (
-    <span className={styles.pictures}>
-      {urls.map((url) => (
-        <img key={url} src={url} alt="" />
-      ))}
-    </span>
   );
 }
 

@@ -1,15 +1,7 @@
-import {
-  keepPreviousData,
-  queryOptions,
-  useMutation,
-  useQuery,
-  useQueryClient,
-} from "@tanstack/react-query";
-import { useMemo } from "react";
+import { keepPreviousData, queryOptions, useQuery } from "@tanstack/react-query";
 
-import { api, messageOf, unwrap } from "@/api/client";
-import type { Behaviour, StatementAnswer, Understanding } from "@/api/types";
-import { useToast } from "@/components/feedback/Toasts";
+import { api, unwrap } from "@/api/client";
+import type { Behaviour, Understanding } from "@/api/types";
 import type { Tiers } from "@/features/ranking/order/order";
 import { viewOf } from "@/games/views";
 
@@ -42,16 +34,6 @@ function understandingQuery(behaviourId: number, tiers: Tiers, perfect: readonly
   });
 }
 
-interface OrderUnderstanding {
-  readonly told: Understanding | undefined;
-  readonly error: unknown;
-  /** Says what is meant of a statement; null takes back what was said. */
-  readonly answer: (statement: StatementAnswer | Unanswered) => void;
-  readonly isAnswering: boolean;
-}
-
-type Unanswered = Omit<StatementAnswer, "meant"> & { readonly meant: null };
-
 /**
  * Returns what Tril understands of the order shown, asked anew after each change.
  *
@@ -61,27 +43,10 @@ export function useUnderstanding(
   behaviourId: number,
   tiers: Tiers,
   perfect: readonly number[] | null,
-): OrderUnderstanding {
-  const client = useQueryClient();
-  const toast = useToast();
+): { told: Understanding | undefined; error: unknown } {
   const { data, error } = useQuery({
     ...understandingQuery(behaviourId, tiers, perfect ?? []),
     enabled: perfect !== null,
   });
-  const queryKey = useMemo(() => ["understanding", behaviourId], [behaviourId]);
-  const { mutate, isPending } = useMutation({
-    mutationFn: ({ subjects, sentence, meant }: StatementAnswer | Unanswered) =>
-      unwrap(
-        api.PUT("/api/behaviours/{behaviour_id}/ranking/answers", {
-          params: { path: { behaviour_id: behaviourId } },
-          body: { subjects, sentence, meant },
-        }),
-      ),
-    onSuccess: (answers) => {
-      client.setQueriesData<Understanding>({ queryKey }, (old) => old && { ...old, answers });
-    },
-    onError: (problem: Error) => toast(messageOf(problem)),
-    onSettled: () => client.invalidateQueries({ queryKey }),
-  });
-  return { told: data, error, answer: mutate, isAnswering: isPending };
+  return { told: data, error };
 }

@@ -1,8 +1,6 @@
 import { t } from "@lingui/core/macro";
-import { Trans } from "@lingui/react/macro";
-import { Link } from "react-router";
 
-import type { Behaviour, RankingCheck, Run, RunResults } from "@/api/types";
+import type { Behaviour, Run, RunResults } from "@/api/types";
 import { BlindCard } from "@/features/results/blind/BlindCard";
 import { WatchLinks } from "@/features/results/run/WatchLinks";
 
@@ -22,9 +20,7 @@ interface ResultViewProps {
 export function ResultView({ run, results, behaviour }: ResultViewProps) {
   const games = shownGames(results);
   const { check } = results;
-  const understood = check && check.statements.length > 0 && (
-    <Understood check={check} behaviour={behaviour} />
-  );
+  const understood = check && check.statements.length > 0 && <Statements run={run} check={check} />;
   if (!games)
     return (
       <>
@@ -50,20 +46,5 @@ export function ResultView({ run, results, behaviour }: ResultViewProps) {
         <WatchLinks results={results} />
       </div>
     </section>
-  );
-}
-
-function Understood({ check, behaviour }: { check: RankingCheck; behaviour: Behaviour }) {
-  return (
-    <div className={styles.question}>
-      <Statements statements={check.statements} answers={check.answers} />
-      <p>
-        <Trans>
-          Is this what you meant?{" "}
-          <Link to={`/behaviours/${behaviour.id}/rank`}>Say so under Rank</Link>, and the next run
-          knows.
-        </Trans>
-      </p>
-    </div>
   );
 }

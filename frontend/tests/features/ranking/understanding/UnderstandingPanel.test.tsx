@@ -7,7 +7,7 @@ import type { StatementAnswer, Understanding } from "@/api/types";
 import { UnderstandingPanel } from "@/features/ranking/understanding/UnderstandingPanel";
 import { isReadByStatements } from "@/features/ranking/understanding/use-understanding";
 
-import { behaviour } from "../../../support/data";
+import { behaviour, statement as told } from "../../../support/data";
 import { show } from "../../../support/page";
 import { type Asked, Refusal, serve } from "../../../support/server";
 
@@ -15,7 +15,7 @@ const LEFT = "what you steer further to the left";
 const FIRE = "FIRE held less";
 
 function statement(sentence: string, probability: number, subject: string) {
-  return { sentence, probability, subjects: [subject], pictures: [] as string[] };
+  return { ...told(sentence, probability, { subjects: [subject] }), pictures: [] as string[] };
 }
 
 const READY: Understanding = {
@@ -35,11 +35,11 @@ const READY: Understanding = {
 
 const UNDERSTANDING = "POST /api/behaviours/1/ranking/understanding";
 
-/** A fake server that keeps what is answered; `told` is what it says, each time anew. */
-function server(told: () => Partial<Understanding>) {
+/** A fake server that keeps what is answered; `said` is what it says, each time anew. */
+function server(said: () => Partial<Understanding>) {
   let answers: StatementAnswer[] = [];
   return serve({
-    [UNDERSTANDING]: () => ({ ...READY, answers, ...told() }),
+    [UNDERSTANDING]: () => ({ ...READY, answers, ...said() }),
     "PUT /api/behaviours/1/ranking/answers": ({ body }: Asked) => {
       const { meant, ...given } = body as Omit<StatementAnswer, "meant"> & {
         meant: boolean | null;
@@ -51,8 +51,8 @@ function server(told: () => Partial<Understanding>) {
   });
 }
 
-function open(told: () => Partial<Understanding> = () => ({}), tiers = [[1], [2]]) {
-  const asked = server(told);
+function open(said: () => Partial<Understanding> = () => ({}), tiers = [[1], [2]]) {
+  const asked = server(said);
   const page = show(<UnderstandingPanel behaviourId={1} tiers={tiers} perfect={[1]} />);
   return { asked, ...page };
 }
@@ -92,7 +92,7 @@ describe("what is understood of an order", () => {
   });
 
   it("stays while a new order is asked about, so that nothing jumps", async () => {
-    let answer: (told: Understanding) => void = () => undefined;
+    let answer: (next: Understanding) => void = () => undefined;
     const second = new Promise<Understanding>((resolve) => (answer = resolve));
     let n = 0;
     serve({ [UNDERSTANDING]: () => (n++ === 0 ? READY : second) });

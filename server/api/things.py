@@ -1,0 +1,134 @@
+"""The things of a game that statements about a ranking are about."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from pathlib import Path as FilePath
+from typing import Annotated
+
+from fastapi import APIRouter, Path, Query, Request
+from starlette.responses import Response
+
+from server.api.schemas.rankings import Meaning, NamedThing, NamedThings, ThingInSight
+from server.dependencies import MAX_ID, BehaviourId, services_of
+from server.services import Services
+from server.web.problems import NOT_FOUND
+from tril.errors import NotFound
+from tril.games import game_of
+from tril.games.base import Game
+from tril.games.settings import MAX_STEPS
+from tril.recording import Recording
+from tril.store import behaviours, recordings
+from tril.vocabulary.facts import Vocabulary
+from tril.vocabulary.making import vocabulary_key
+from tril.vocabulary.pointing import what_can_be_meant
+from tril.vocabulary.sentences import kind_name
+
+router = APIRouter(prefix="/behaviours/{behaviour_id}/ranking/things", tags=["ranking"])
+
+
+def picture_url(behaviour_id: int, game: Game) -> str:
+    """Return the URL of a thing's picture, with braces for its kind."""
+    return f"/api/behaviours/{behaviour_id}/ranking/things/{{}}.png?v={vocabulary_key(game)}"
+
+
+@router.get("", responses=NOT_FOUND)
+def list_things(request: Request, behaviour_id: BehaviourId) -> NamedThings:
+    """Return what a person may mean: of each kind of things, and of what is no thing."""
+    services = services_of(request)
+    game = _game_of(services, behaviour_id)
+    words = Vocabulary.load(_vocabulary(services, game))
+    meanings: dict[int | None, list[Meaning]] = defaultdict(list)
+    for pointed in what_can_be_meant(words, game):
+        meanings[pointed.kind].append(
+            Meaning(subjects=[pointed.subject], sentence=pointed.sentence)
+        )
+    pictured, picture = services.vocabularies.pictured(game), picture_url(behaviour_id, game)
+    kinds = sorted(
+        (kind for kind in meanings if kind is not None),
+        key=lambda kind: (kind != words.player, kind),
+    )
+    return NamedThings(
+        things=[
+            NamedThing(
+                kind=kind,
+                name=kind_name(words, kind, game),
+                picture=picture.format(kind) if kind in pictured else None,
+                meanings=meanings[kind],
+            )
+            for kind in kinds
+        ],
+        others=meanings[None],
+    )
+
+
+@router.get("/in-sight", responses=NOT_FOUND)
+def list_things_in_sight(
+    request: Request,
+    behaviour_id: BehaviourId,
+    recording_id: Annotated[int, Query(ge=1, le=MAX_ID)],
+    step: Annotated[int, Query(ge=0, le=MAX_STEPS)],
+) -> list[ThingInSight]:
+    """Return the things on the screen after a step of a recording, the largest first."""
+    services = services_of(request)
+    game, recording = _recording(services, behaviour_id, recording_id)
+    watched = services.replay_cache.watched(recording, _vocabulary(services, game))
+    things = [
+        ThingInSight(
+            kind=int(thing["kind"]),
+            left=int(thing["left"]),
+            top=int(thing["top"]),
+            width=int(thing["width"]),
+            height=int(thing["height"]),
+        )
+        for thing in watched.things(step)
+    ]
+    return sorted(things, key=lambda thing: -thing.width * thing.height)
+
+
+@router.get(
+    "/{kind}.png",
+    response_class=Response,
+    responses=NOT_FOUND | {200: {"content": {"image/png": {}}}},
+)
+def get_thing_picture(
+    request: Request,
+    behaviour_id: BehaviourId,
+    kind: Annotated[int, Path(ge=0, le=255)],
+    v: Annotated[
+        str | None, Query(max_length=40, description="Makes the answer cacheable.")
+    ] = None,
+) -> Response:
+    """Return a picture of a thing that statements are about, by its kind."""
+    services = services_of(request)
+    game = _game_of(services, behaviour_id)
+    cache_control = "private, max-age=31536000, immutable"
+    return Response(
+        services.vocabularies.picture(game, kind),
+        media_type="image/png",
+        headers={
+            "Cache-Control": cache_control if v == vocabulary_key(game) else "private, no-cache"
+        },
+    )
+
+
+def _game_of(services: Services, behaviour_id: int) -> Game:
+    with services.database.reading() as session:
+        return game_of(behaviours.as_behaviour(behaviours.get(session, behaviour_id)))
+
+
+def _recording(services: Services, behaviour_id: int, recording_id: int) -> tuple[Game, Recording]:
+    """Return a behaviour's game, and a recording of it as it is learned from."""
+    game = _game_of(services, behaviour_id)
+    with services.database.reading() as session:
+        recording = recordings.as_recording(recordings.get(session, recording_id))
+    if recording.game.name != game.name:
+        raise NotFound(f"Recording {recording_id} is of another game.")
+    return game, recording.with_hidden_areas_of(game)
+
+
+def _vocabulary(services: Services, game: Game) -> FilePath:
+    path = services.vocabularies.vocabulary(game).path
+    if path is None:
+        raise NotFound(f"Tril has not learned to see {game.title} yet.")
+    return path

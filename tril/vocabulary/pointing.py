@@ -1,0 +1,84 @@
+"""What a person can point at in a game, and what a statement can say of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from tril.games.base import Game
+from tril.vocabulary.answers import subject_of
+from tril.vocabulary.facts import Group, Vocabulary
+from tril.vocabulary.sentences import kind_name
+
+_OF_THING = {
+    "x": "{thing} further to the left or right",
+    "y": "{thing} higher up or lower down",
+    "count": "more or fewer of {thing}",
+    "moves": "{thing} moving more or less",
+}
+_OF_RELATION = {
+    "dx": "{thing} more to the left or right of {player}",
+    "dy": "{thing} more above or below {player}",
+    "level x": "{player} in line with {thing} or not",
+    "level y": "{player} level with {thing} or not",
+    "near": "{player} near {thing} or away from it",
+}
+_OF_MEMORY = {
+    "value": "{memory} larger or smaller",
+    "changes": "{memory} changing more or less often",
+    "bits": "{memory} in one state or another",
+}
+
+
+@dataclass(frozen=True)
+class Pointed:
+    """What can be meant of a thing, or of something that has no place on the screen.
+
+    Attributes:
+        subject: See `tril.vocabulary.answers.subject_of`.
+        sentence: What differs between games; the order says which way is better.
+        kind: Index of the thing's kind; None if it is no thing.
+    """
+
+    subject: str
+    sentence: str
+    kind: int | None
+
+
+def what_can_be_meant(words: Vocabulary, game: Game) -> tuple[Pointed, ...]:
+    """Return all that a vocabulary has groups for and a person can name, each once.
+
+    Bytes of memory that neither follow a thing nor have a name are left out.
+    """
+    pointed: dict[str, Pointed] = {}
+    for group in words.groups:
+        subject, sentence = subject_of(words, group), _open_sentence(words, group, game)
+        if sentence is not None and subject not in pointed:
+            pointed[subject] = Pointed(subject, sentence, _kind_of(group))
+    return tuple(pointed.values())
+
+
+def _kind_of(group: Group) -> int | None:
+    """Return the kind that a person points at to mean a group, of a relation the other thing's."""
+    if group.twin is not None:
+        return group.twin.kind
+    return group.subject[-1] if group.source == "thing" else None
+
+
+def _open_sentence(words: Vocabulary, group: Group, game: Game) -> str | None:
+    """Return what a group can say, with neither way preferred; None where nobody can name it."""
+    kind = _kind_of(group)
+    if kind is not None:
+        thing = kind_name(words, kind, game)
+        if group.twin is not None:
+            return _OF_THING[group.twin.axis].format(thing=thing)
+        if len(group.subject) == 1:
+            return _OF_THING[group.aspect].format(thing=thing)
+        player = kind_name(words, group.subject[0], game)
+        return _OF_RELATION[group.aspect].format(thing=thing, player=player)
+    if group.source == "button":
+        return f"{game.controls.buttons[group.subject[0]]} held more or less"
+    if group.source == "time":
+        return "the game going on longer or less long"
+    byte = group.subject[0]
+    named = game.memory_names.get(byte)
+    return named and _OF_MEMORY[group.aspect].format(memory=f"memory {byte} ({named})")
