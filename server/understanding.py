@@ -7,7 +7,7 @@ import threading
 from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from pathlib import Path
 from typing import Self
@@ -23,6 +23,7 @@ from tril.errors import Invalid, NotFound, Unavailable
 from tril.games.base import Clock, Game
 from tril.recording import Recording
 from tril.vocabulary.answers import Answer
+from tril.vocabulary.next_game import NextGame
 from tril.vocabulary.watched import Watched
 
 _LOG = logging.getLogger(__name__)
@@ -104,6 +105,8 @@ class OrderUnderstood:
             is understood.
         values: Value of each watched game, in log odds, keyed by recording id.
         contradiction: The games that contradict most, if any do.
+        next_game: The unranked game that tells statements apart best, by its recording's id; None
+            if none does.
     """
 
     state: State
@@ -112,6 +115,7 @@ class OrderUnderstood:
     is_sense: bool | None = None
     values: Mapping[int, float] = field(default_factory=dict)
     contradiction: Contradiction | None = None
+    next_game: NextGame | None = None
 
 
 class OrderReader:
@@ -144,6 +148,7 @@ class OrderReader:
         best: Sequence[int],
         answers: Sequence[Answer],
         recordings_of: RecordingsOf,
+        unranked: Sequence[int] = (),
     ) -> OrderUnderstood:
         """Infer the statements that an order is about.
 
@@ -153,6 +158,7 @@ class OrderReader:
             best: Ids of the best efforts, ranked or not.
             answers: Answers about statements, the latest last.
             recordings_of: Called in another thread.
+            unranked: Ids of games of which one may tell statements apart.
 
         Raises:
             Unavailable: It could not be inferred.
@@ -163,26 +169,29 @@ class OrderReader:
         if making.path is None:
             return OrderUnderstood(State.LEARNING, making.progress)
         ranked = [key for tier in tiers for key in tier]
-        recording_ids = list(dict.fromkeys([*ranked, *best]))
+        recording_ids = list(dict.fromkeys([*ranked, *best, *unranked]))
         seen, n_waiting = self._watched_of(making.path, recording_ids, recordings_of)
+        others = [key for key in unranked if key in seen]
         order = [[key for key in tier if key in seen] for tier in tiers]
         order = [tier for tier in order if tier]
         if n_waiting:
             return OrderUnderstood(State.WATCHING, 1 - n_waiting / len(recording_ids))
         if len(order) < 2 or sum(map(len, order)) < LEAST_GAMES:
             return OrderUnderstood(State.WAITING)
-        keys = list(seen)
+        keys = [key for key in dict.fromkeys([*ranked, *best]) if key in seen]
         row = {key: index for index, key in enumerate(keys)}
         understood = self._process.understand(
             UnderstandRequest(
                 game,
                 making.path,
-                tuple(seen.values()),
+                tuple(seen[key] for key in keys),
                 [[row[key] for key in tier] for tier in order],
                 tuple(row[key] for key in best if key in row),
                 tuple(answers),
+                tuple(seen[key] for key in others),
             )
         )
+        telling = understood.next_game
         values = dict(zip(keys, understood.values, strict=True))
         return OrderUnderstood(
             State.READY,
@@ -192,6 +201,7 @@ class OrderReader:
             is_sense=understood.is_sense,
             values=values,
             contradiction=strongest_contradiction(order, values),
+            next_game=telling and replace(telling, game=others[telling.game]),
         )
 
     def stop(self) -> None:

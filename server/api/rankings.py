@@ -15,6 +15,7 @@ from server.api.schemas.rankings import (
     BorrowedGames,
     ContradictingGames,
     GameOpinion,
+    NextGame,
     Ranking,
     RankingConflict,
     RankingOpinion,
@@ -57,6 +58,8 @@ slow_router = APIRouter(prefix="/behaviours/{behaviour_id}", tags=["ranking"])
 """Of what takes a tenth of a second or more: games are played, or much is computed."""
 
 MAX_UNRANKED_OPINIONS = 60
+MAX_NEXT_GAMES = 24
+"""Unranked games, the newest first, among which the next one is chosen: each has to be watched."""
 
 _CONFLICT: dict[int | str, dict[str, object]] = {
     409: {"model": RankingConflict, "description": "Somebody saved another ranking first."}
@@ -164,6 +167,9 @@ def understand_ranking(
         order = rankings.without_unrankable(session, behaviour_id, normalise(shown.tiers))
         best = recordings.perfect_ids(session, behaviour_id)
         given_answers = answers.current(session, behaviour_id)
+        unranked = rankings.unranked(session, rankings.current(session, behaviour_id))
+        # As shown, saved or not.
+        pool = [key for key in unranked if key not in order.items] if shown.with_next else []
 
     def recordings_of(ids: Sequence[int]) -> dict[int, StoredRecording]:
         with services.database.reading() as session:
@@ -179,6 +185,7 @@ def understand_ranking(
         best,
         [Answer(frozenset(answer.subjects), answer.meant) for answer in given_answers],
         recordings_of,
+        pool[:MAX_NEXT_GAMES],
     )
     pictured = services.vocabularies.pictured(game)
     picture = picture_url(behaviour_id, game)
@@ -200,6 +207,8 @@ def understand_ranking(
         ],
         is_sense=understood.is_sense,
         values={key: round(value, 3) for key, value in understood.values.items()},
+        next_game=understood.next_game
+        and NextGame.of(understood.next_game, recording_id=understood.next_game.game),
         contradiction=understood.contradiction and ContradictingGames.of(understood.contradiction),
         answers=given_answers,
     )

@@ -78,9 +78,18 @@ class Understanding:
             games: Facts of the games by the second.
             tiers: Rows of the ranked games, the best tier first.
         """
+        return contrast([self.values_by(statement, seconds) for seconds in games], tiers)
+
+    def values_by(self, statement: Statement, facts: npt.NDArray[np.floating]) -> Array:
+        """Return the values of games, or of their seconds, by a single statement, float64 (n,).
+
+        Args:
+            statement: The statement.
+            facts: Facts of each, (n, n_facts).
+        """
         columns = statement.columns
-        weights = statement.weights / self.spread[columns]
-        return contrast([seconds[:, columns] @ weights for seconds in games], tiers)
+        values: Array = facts[:, columns] @ (statement.weights / self.spread[columns])
+        return values
 
     def mean_coefficients(self) -> Array:
         """Return the coefficients averaged over statements, float64 (n_facts,)."""

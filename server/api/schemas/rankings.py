@@ -105,9 +105,10 @@ Subjects = Annotated[
 
 
 class ShownOrder(Schema):
-    """An order that is shown, saved or not."""
+    """An order that is shown, saved or not; ``with_next`` also asks which game to rank next."""
 
     tiers: Tiers
+    with_next: bool = False
 
 
 class UnderstoodStatement(ToldStatement):
@@ -164,12 +165,26 @@ class ContradictingGames(Schema):
     worse: int
 
 
+class NextGame(Schema):
+    """An unranked game that tells the first statement from another one.
+
+    ``other`` is the other's place among the statements, from 0. The shares are those of the ranked
+    games that it is better than by either.
+    """
+
+    recording_id: int
+    other: int
+    better_than: float
+    better_than_by_other: float
+
+
 class Understanding(Schema):
     """What Tril understands of an order.
 
     ``progress`` is the share of what is done while it is learning to see the game or watching the
     ranked ones. ``is_sense`` is false if shuffled orders of the games are explained as well.
-    ``values`` are those of the games by recording id, in log odds.
+    ``values`` are those of the games by recording id, in log odds. ``next_game`` is null unless it
+    is asked for, and where no game tells statements apart.
     """
 
     state: State
@@ -178,6 +193,7 @@ class Understanding(Schema):
     is_sense: bool | None
     values: dict[int, float]
     contradiction: ContradictingGames | None
+    next_game: NextGame | None
     answers: list[StatementAnswer]
 
 

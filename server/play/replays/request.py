@@ -27,6 +27,7 @@ from tril.recording import Recording, Verified, verify
 from tril.vocabulary.answers import Answer as StatementAnswer
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.moments import Contrast
+from tril.vocabulary.next_game import NextGame, next_game
 from tril.vocabulary.posterior import NothingPossible, Tiers
 from tril.vocabulary.sentences import tell
 from tril.vocabulary.understanding import shuffles_as_good, understand
@@ -119,6 +120,7 @@ class UnderstandRequest:
         tiers: Rows of the ranked games, the best tier first.
         best: Rows of the best efforts.
         answers: Answers about statements, the latest last.
+        unranked: Games of which one may tell statements apart.
     """
 
     game: Game
@@ -127,6 +129,7 @@ class UnderstandRequest:
     tiers: Tiers
     best: tuple[int, ...]
     answers: tuple[StatementAnswer, ...]
+    unranked: tuple[Watched, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -156,11 +159,13 @@ class Understood:
         statements: The most probable first; none if the answers exclude all.
         is_sense: Whether they explain the order better than all shuffled ones.
         values: Value of each game, in log odds.
+        next_game: The unranked game that tells statements apart best; None if none does.
     """
 
     statements: tuple[Told, ...]
     is_sense: bool
     values: tuple[float, ...]
+    next_game: NextGame | None = None
 
 
 AnyRequest = (
@@ -238,6 +243,8 @@ def _understand(request: UnderstandRequest) -> Understood:
     except NothingPossible:
         return Understood((), True, (0.0,) * len(summaries))
     seconds = [game.seconds for game in request.games]
+    tellings = tell(words, understanding.posterior, request.game, understanding.meant)
+    ranked = [row for tier in request.tiers for row in tier]
     return Understood(
         tuple(
             Told(
@@ -247,8 +254,14 @@ def _understand(request: UnderstandRequest) -> Understood:
                 telling.kinds(words),
                 understanding.contrast(telling.statement, seconds, request.tiers),
             )
-            for telling in tell(words, understanding.posterior, request.game, understanding.meant)
+            for telling in tellings
         ),
         not shuffles_as_good(*order),
         tuple(understanding.value(summaries).tolist()),
+        next_game(
+            understanding,
+            tellings,
+            summaries[ranked],
+            np.array([game.summary for game in request.unranked]),
+        ),
     )

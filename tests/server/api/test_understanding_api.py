@@ -170,6 +170,30 @@ def test_things_of_a_game_that_was_not_learned_yet_are_none(client: TestClient) 
     assert client.get(f"{RANKING}/things").status_code == 404
 
 
+def test_the_game_that_would_tell_is_an_unranked_one(learned: Learned) -> None:
+    client, games = learned.client, learned.games
+    unranked, *ranked = games
+    tiers = [[key] for key in ranked]
+    understood(client, ranked)
+    assert ask(client, tiers)["next_game"] is None, "nobody asked for it"
+
+    def ask_next() -> dict[str, Any]:
+        response = client.post(f"{RANKING}/understanding", json={"tiers": tiers, "with_next": True})
+        told: dict[str, Any] = response.json()
+        return told
+
+    wait_until(lambda: ask_next()["state"] == "ready")
+    told = ask_next()
+    # The inference is of the ranked games alone.
+    assert told["statements"] == ask(client, tiers)["statements"]
+    assert str(unranked) not in told["values"]
+    if (following := told["next_game"]) is not None:
+        assert following["recording_id"] not in ranked
+        assert 0 < following["other"] < len(told["statements"])
+        shares = following["better_than"], following["better_than_by_other"]
+        assert abs(shares[0] - shares[1]) >= 0.3
+
+
 def test_few_games_wait_for_more_and_those_of_others_are_left_out(
     learned: Learned,
 ) -> None:

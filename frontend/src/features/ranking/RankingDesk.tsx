@@ -306,7 +306,12 @@ export function RankingDesk({ behaviour, ranking, recordings, isWhole }: Ranking
         </div>
         <div className={styles.understood}>
           {isRead ? (
-            <UnderstandingPanel behaviourId={behaviour.id} tiers={state.tiers} perfect={perfect} />
+            <UnderstandingPanel
+              behaviourId={behaviour.id}
+              tiers={state.tiers}
+              perfect={perfect}
+              onRank={isComparable ? (id) => setCompared([id]) : null}
+            />
           ) : (
             <OpinionBar
               behaviour={behaviour}

@@ -14,7 +14,9 @@ import { useGame } from "@/games/game";
 import { percentDone } from "@/lib/format";
 import { recordingName } from "@/lib/recordings";
 
+import { NextGame } from "./NextGame";
 import { PointDialog } from "./PointDialog";
+import { Progress } from "./Progress";
 import styles from "./UnderstandingPanel.module.css";
 import { useUnderstanding } from "./use-understanding";
 
@@ -23,10 +25,13 @@ interface UnderstandingPanelProps {
   tiers: Tiers;
   /** The best efforts, which the order is understood from, too; null while they are not known. */
   perfect: readonly number[] | null;
+  /** Places an unranked game; null while games cannot be compared. */
+  onRank?: ((id: number) => void) | null;
 }
 
 /** What Tril understood of the order, as statements that a person can agree with or reject. */
-export function UnderstandingPanel({ behaviourId, tiers, perfect }: UnderstandingPanelProps) {
+export function UnderstandingPanel(props: UnderstandingPanelProps) {
+  const { behaviourId, tiers, perfect, onRank = null } = props;
   const titleId = useId();
   const title = useRef<HTMLHeadingElement>(null);
   const { told, error } = useUnderstanding(behaviourId, tiers, perfect);
@@ -37,6 +42,7 @@ export function UnderstandingPanel({ behaviourId, tiers, perfect }: Understandin
   if (statements.length > nPlaces) setNPlaces(statements.length);
   const apart = told?.answers.filter((one) => !statements.some((shown) => isAbout(one, shown)));
   const [pointing, setPointing] = useState(false);
+  const [choosing, setChoosing] = useState(false);
   const focusTitle = () => title.current?.focus();
 
   return (
@@ -56,14 +62,22 @@ export function UnderstandingPanel({ behaviourId, tiers, perfect }: Understandin
         />
       )}
       {told?.state === "ready" && (
-        <p className={styles.none}>
+        <div className={styles.none}>
+          <p>
+            <Trans>None of these, or not sure?</Trans>
+          </p>
           <Button icon="eye" onClick={() => setPointing(true)}>
             <Trans>Point at it</Trans>
           </Button>
-          <span>
-            <Trans>None of these? Point at what you mean in one of the games.</Trans>
-          </span>
-        </p>
+          {statements.length > 1 && !choosing && (
+            <Button icon="help" onClick={() => setChoosing(true)}>
+              <Trans>Which game would tell?</Trans>
+            </Button>
+          )}
+        </div>
+      )}
+      {told?.state === "ready" && choosing && (
+        <NextGame behaviourId={behaviourId} tiers={tiers} onRank={onRank} />
       )}
       {told && <Doubt told={told} />}
       {apart && apart.length > 0 && (
@@ -161,16 +175,6 @@ function Situation({ told, error }: { told: Understanding | undefined; error: un
         </p>
       );
   }
-}
-
-function Progress({ share, children }: { share: number; children: string }) {
-  const labelId = useId();
-  return (
-    <div className={styles.progress}>
-      <p id={labelId}>{children}</p>
-      <progress aria-labelledby={labelId} value={share} max={1} />
-    </div>
-  );
 }
 
 /** Warns of an order that may be chance, and names the games that contradict it most. */

@@ -16,14 +16,14 @@ export function isReadByStatements({ game, target }: Behaviour): boolean {
   return target === null || !viewOf(game)?.Wanted;
 }
 
-function understandingQuery(behaviourId: number, tiers: Tiers, perfect: readonly number[]) {
+function understandingQuery(behaviourId: number, tiers: Tiers, kind: "next" | readonly number[]) {
   return queryOptions({
-    queryKey: ["understanding", behaviourId, tiers, perfect],
+    queryKey: ["understanding", behaviourId, tiers, kind],
     queryFn: ({ signal }) =>
       unwrap(
         api.POST("/api/behaviours/{behaviour_id}/ranking/understanding", {
           params: { path: { behaviour_id: behaviourId } },
-          body: { tiers: tiers.map((tier) => [...tier]) },
+          body: { tiers: tiers.map((tier) => [...tier]), with_next: kind === "next" },
           signal,
         }),
       ),
@@ -32,6 +32,11 @@ function understandingQuery(behaviourId: number, tiers: Tiers, perfect: readonly
     refetchInterval: ({ state }) =>
       state.data?.state === "learning" || state.data?.state === "watching" ? AGAIN_MS : false,
   });
+}
+
+/** What Tril understands of the order shown, once it has watched the unranked games, too. */
+export function nextGameQuery(behaviourId: number, tiers: Tiers) {
+  return understandingQuery(behaviourId, tiers, "next");
 }
 
 /**

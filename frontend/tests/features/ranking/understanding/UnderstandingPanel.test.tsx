@@ -1,7 +1,7 @@
 import { screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { useState } from "react";
-import { describe, expect, it } from "vitest";
+import { describe, expect, it, vi } from "vitest";
 
 import type { StatementAnswer, Understanding } from "@/api/types";
 import { UnderstandingPanel } from "@/features/ranking/understanding/UnderstandingPanel";
@@ -30,6 +30,7 @@ const READY: Understanding = {
   is_sense: true,
   values: {},
   contradiction: null,
+  next_game: null,
   answers: [],
 };
 
@@ -87,6 +88,7 @@ describe("what is understood of an order", () => {
     expect(document.querySelector("img")).toHaveAttribute("src", "/thing.png");
     expect(asked.find(({ path }) => path.endsWith("/understanding"))?.body).toEqual({
       tiers: [[1], [2]],
+      with_next: false,
     });
     expect(screen.queryByText(/may be chance/)).toBeNull();
   });
@@ -190,6 +192,52 @@ describe("an answer", () => {
     expect(await screen.findByRole("list", { name: "Your answers" })).toHaveTextContent(
       "You said that this is it: memory 99 with bit 1 on",
     );
+  });
+});
+
+describe("the game that would tell", () => {
+  const NEXT = { recording_id: 9, other: 1, better_than: 0.9, better_than_by_other: 0.2 };
+
+  /** A fake server that says which game to rank next once it has watched. */
+  function choose(states: readonly Partial<Understanding>[], onRank: (id: number) => void) {
+    let n = 0;
+    const asked = serve({
+      [UNDERSTANDING]: ({ body }: Asked) =>
+        (body as { with_next: boolean }).with_next
+          ? { ...READY, ...states[Math.min(n++, states.length - 1)] }
+          : READY,
+    });
+    show(<UnderstandingPanel behaviourId={1} tiers={[[1], [2]]} perfect={[]} onRank={onRank} />);
+    return asked;
+  }
+
+  it("is asked for only when a person wants it, and can be ranked at once", async () => {
+    const onRank = vi.fn();
+    const asked = choose(
+      [{ state: "watching", progress: 0.25, statements: [] }, { next_game: NEXT }],
+      onRank,
+    );
+    const button = await screen.findByRole("button", { name: "Which game would tell?" });
+    expect(asked.map(({ body }) => body)).toEqual([{ tiers: [[1], [2]], with_next: false }]);
+    await userEvent.click(button);
+    expect(await screen.findByRole("progressbar")).toHaveAccessibleName(
+      "Tril watches your unranked games: 25%.",
+    );
+    expect(
+      await screen.findByText(
+        `Recording 9 tells most. If you mean “${LEFT}”, it is better than 90% of your ranked games; if you mean “${FIRE}”, than 20%.`,
+        {},
+        { timeout: 3000 },
+      ),
+    ).toBeVisible();
+    await userEvent.click(screen.getByRole("button", { name: "Rank this one next" }));
+    expect(onRank).toHaveBeenCalledExactlyOnceWith(9);
+  });
+
+  it("is none where all unranked games are alike", async () => {
+    choose([{ next_game: null }], vi.fn());
+    await userEvent.click(await screen.findByRole("button", { name: "Which game would tell?" }));
+    expect(await screen.findByText(/^No unranked game tells these statements apart/)).toBeVisible();
   });
 });
 
