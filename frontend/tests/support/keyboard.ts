@@ -1,5 +1,5 @@
 /** Key presses as different keyboards make them. */
-import type { Pressed } from "@/lib/browser/keyboard";
+import type { Pressed } from "@/lib/browser/pressed-keys";
 
 const US: Readonly<Record<string, string>> = {
   Space: " ",

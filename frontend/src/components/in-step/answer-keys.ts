@@ -1,7 +1,7 @@
 /** The keys of a comparison of two games. */
 import { type RefObject, useEffect } from "react";
 
-import { type Pressed as Key, signsOf } from "@/lib/browser/keyboard";
+import { type Pressed as Key, signsOf } from "@/lib/browser/pressed-keys";
 
 type Pressed = Key & Pick<KeyboardEvent, "ctrlKey" | "metaKey" | "altKey" | "shiftKey">;
 

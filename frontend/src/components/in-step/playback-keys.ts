@@ -1,12 +1,16 @@
 /** The keys that play a recording, wherever the focus is in its player. */
-import type { KeyboardEvent } from "react";
-
-import { ofSigns } from "@/lib/browser/keyboard";
+import { ofSigns } from "@/lib/browser/pressed-keys";
 import type { Playback } from "@/lib/game/playback";
+
+/** A key that is pressed in a player, as React or a browser reports it. */
+type PlayerKey = Pick<
+  KeyboardEvent,
+  "altKey" | "code" | "ctrlKey" | "key" | "metaKey" | "preventDefault" | "shiftKey" | "target"
+>;
 
 /** Plays, pauses or moves by a key; with Shift by a step of so many frames instead of one. */
 export function playByKey(
-  event: KeyboardEvent,
+  event: PlayerKey,
   playback: Playback,
   last: number,
   framesPerStep: number,

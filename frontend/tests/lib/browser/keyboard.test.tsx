@@ -1,7 +1,8 @@
 import { act, renderHook } from "@testing-library/react";
 import { afterEach, describe, expect, it, vi } from "vitest";
 
-import { followLayout, ofSigns, placeOf, signsOf, useKeyLabels } from "@/lib/browser/keyboard";
+import { followLayout, useKeyLabels } from "@/lib/browser/keyboard";
+import { ofSigns, placeOf, signsOf } from "@/lib/browser/pressed-keys";
 
 import { us } from "../../support/keyboard";
 

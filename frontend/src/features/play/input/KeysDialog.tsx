@@ -5,7 +5,7 @@ import { useEffect, useState } from "react";
 import { Button } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
 import { useGame } from "@/games/game";
-import { placeOf } from "@/lib/browser/keyboard";
+import { placeOf } from "@/lib/browser/pressed-keys";
 
 import {
   addKey,

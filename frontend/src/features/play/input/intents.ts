@@ -1,7 +1,7 @@
 /** What a key or gamepad button asks of the play page, besides steering. */
 import type { Phase } from "@/features/play/stream/game-state";
 import { SPEEDS } from "@/features/play/stream/text-messages";
-import { ofSigns, type Pressed } from "@/lib/browser/keyboard";
+import { ofSigns, type Pressed } from "@/lib/browser/pressed-keys";
 
 import { PAD } from "./gamepad";
 import { type Control, controlOf, type KeyMap } from "./keys";

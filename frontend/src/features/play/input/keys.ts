@@ -8,7 +8,8 @@ import { type Setting, useSetting } from "@/features/play/settings/stored";
 import { buttonName } from "@/games/actions";
 import { useGame } from "@/games/game";
 import { capitalised } from "@/games/words";
-import { placeOf, type Pressed, useKeyLabels } from "@/lib/browser/keyboard";
+import { useKeyLabels } from "@/lib/browser/keyboard";
+import { placeOf, type Pressed } from "@/lib/browser/pressed-keys";
 
 /** What the keys of a game depend on. */
 export type Keyed = Pick<TaughtGame, "buttons" | "default_keys" | "saves_states">;

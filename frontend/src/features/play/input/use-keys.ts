@@ -3,7 +3,7 @@ import { type RefObject, useEffect } from "react";
 import { readSetting } from "@/features/play/settings/stored";
 import type { GameStream } from "@/features/play/stream/game-stream";
 import { useGame } from "@/games/game";
-import { ofSigns, placeOf, type Pressed } from "@/lib/browser/keyboard";
+import { ofSigns, placeOf, type Pressed } from "@/lib/browser/pressed-keys";
 
 import { dialogIsOpen } from "./dialogs";
 import { type Intent, intentOf, SinceEnd, steers } from "./intents";

@@ -1,5 +1,5 @@
 /** What a key asks of the page that watches. */
-import { ofSigns, type Pressed, signsOf } from "@/lib/browser/keyboard";
+import { ofSigns, type Pressed, signsOf } from "@/lib/browser/pressed-keys";
 
 export type WatchIntent =
   "toggle" | "step" | "slower" | "faster" | "restart" | "next" | { readonly takeOver: number };

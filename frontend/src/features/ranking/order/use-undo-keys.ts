@@ -1,6 +1,6 @@
 import { useEffect } from "react";
 
-import { ofSigns } from "@/lib/browser/keyboard";
+import { ofSigns } from "@/lib/browser/pressed-keys";
 
 import type { RankingSaver } from "./saver";
 

@@ -16,7 +16,7 @@ import uPlot from "uplot";
 import { classes } from "@/lib/classes";
 import { onThemeChange } from "@/lib/browser/css-colour";
 import { measured, stepLabels, whole } from "@/lib/format";
-import { ofSigns } from "@/lib/browser/keyboard";
+import { ofSigns } from "@/lib/browser/pressed-keys";
 
 import styles from "./Chart.module.css";
 import { chartData, type ChartData, type Curve, decimate, type XRange } from "./chart-data";
