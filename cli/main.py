@@ -73,6 +73,10 @@ COMMANDS = {
     "games": ("cli.commands.games:app", "The games that can be taught."),
     "recordings": ("cli.commands.recordings:app", "The library of recordings."),
     "runs": ("cli.commands.runs:app", "Training runs."),
+    "gallery": (
+        "cli.commands.share:gallery",
+        "Write a page for each behaviour with a finished run, and an index of them.",
+    ),
     "people": ("cli.commands.people:app", "Say who gets in."),
 }
 """Where each command is, and the first line of its help."""

@@ -12,6 +12,7 @@ import typer
 from rich.table import Table
 from sqlalchemy.orm import Session
 
+from cli.commands.share import share
 from cli.follow import duration, follow_to_end
 from cli.output import JsonOption, console, errors, print_json
 from cli.workspace import Workspace, find_behaviour, open_workspace
@@ -262,6 +263,9 @@ def export(
                 audit.note(session, audit.Action.EXPORTED, None, f"run {run_id}")
     size = output.stat().st_size
     errors.print(f"Wrote {output} ({size / 1e6:.1f} MB).")
+
+
+app.command()(share)
 
 
 @app.command("tensorboard")

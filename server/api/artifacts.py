@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from fastapi import APIRouter, Request
 from starlette.responses import Response
 
+from server.archives import PagePart
 from server.dependencies import ArtifactId, RunId, Who, services_of
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril.store import audit, behaviours
+from tril.store.access.credentials import Identity
 from tril.store.models import BehaviourRow, RunRow
 from tril.store.training import artifacts, runs
 
@@ -15,6 +19,7 @@ router = APIRouter(prefix="/artifacts", tags=["artifacts"])
 archive_router = APIRouter(tags=["artifacts"])
 
 _ZIP = "application/zip"
+_PAGE_TYPES = {PagePart.PAGE: "text/html; charset=utf-8", PagePart.POSTER: "image/png"}
 
 
 @router.get(
@@ -47,23 +52,58 @@ def get_artifact(request: Request, artifact_id: ArtifactId) -> Response:
 )
 def get_run_archive(request: Request, identity: Who, run_id: RunId) -> Response:
     """Return a finished training as one zip; making it takes some seconds the first time."""
-    services = services_of(request)
-    with services.database.reading() as session:
-        run = runs.get_done(session, str(run_id))
-        behaviour = behaviours.get(session, run.behaviour_id)
-    archive = services.archives.archive(run, behaviour)
-    with services.database.writing() as session:
-        audit.note(session, audit.Action.EXPORTED, identity.player_id, f"run {run.id}")
-    return Response(
-        archive,
-        media_type=_ZIP,
-        headers={
-            "Cache-Control": "private, no-cache",
-            "Content-Disposition": f'attachment; filename="{archive_name(run, behaviour)}"',
-        },
+    archives = services_of(request).archives
+    return _taken_away(request, identity, run_id, "zip", _ZIP, archives.archive)
+
+
+@archive_router.get(
+    "/runs/{run_id}/page.{part}",
+    response_class=Response,
+    responses=NOT_FOUND
+    | CONFLICT
+    | {
+        200: {
+            "content": {media_type: {} for media_type in _PAGE_TYPES.values()},
+            "description": "A page that needs no server, or its poster.",
+        }
+    },
+)
+def get_run_page(request: Request, identity: Who, run_id: RunId, part: PagePart) -> Response:
+    """Return a finished training as one page to send; making it takes some seconds."""
+    archives = services_of(request).archives
+    return _taken_away(
+        request,
+        identity,
+        run_id,
+        part,
+        _PAGE_TYPES[part],
+        lambda run, behaviour: archives.page(run, behaviour, part),
     )
 
 
-def archive_name(run: RunRow, behaviour: BehaviourRow) -> str:
-    """Return the file name of a training's archive."""
-    return f"tril-{behaviour.slug}-{run.id[:8]}.zip"
+def _taken_away(
+    request: Request,
+    identity: Identity,
+    run_id: RunId,
+    ending: str,
+    media_type: str,
+    make: Callable[[RunRow, BehaviourRow], bytes],
+) -> Response:
+    """Return a file of a finished training, and note who took it."""
+    database = services_of(request).database
+    with database.reading() as session:
+        run = runs.get_done(session, str(run_id))
+        behaviour = behaviours.get(session, run.behaviour_id)
+    content = make(run, behaviour)
+    with database.writing() as session:
+        audit.note(session, audit.Action.EXPORTED, identity.player_id, f"run {run.id}")
+    # Never shown in place: it is another site's page.
+    name = f"tril-{behaviour.slug}-{run.id[:8]}.{ending}"
+    return Response(
+        content,
+        media_type=media_type,
+        headers={
+            "Cache-Control": "private, no-cache",
+            "Content-Disposition": f'attachment; filename="{name}"',
+        },
+    )

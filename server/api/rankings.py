@@ -199,6 +199,7 @@ def understand_ranking(
                 probability=round(statement.told.probability, 3),
                 shown=statement.shown,
                 contrast=statement.contrast,
+                kinds=list(statement.told.kinds),
                 pictures=[
                     picture.format(kind) for kind in statement.told.kinds if kind in pictured
                 ],

@@ -26,6 +26,7 @@ from PIL import Image
 from server.clips.request import ClipKind
 from tril.games.base import Clock, Console, Screen, ScreenSpec
 from tril.play.episode import Episode
+from tril.play.screens import joined
 from tril.recording import Recorder, Recording
 
 PICTURES_PER_S = 20
@@ -81,20 +82,7 @@ def _frames(recording: Recording, console: Console | None) -> Iterator[Screen]:
 def _joined(frames: Iterator[Screen], n: int, screen: ScreenSpec) -> Iterator[Screen]:
     """Yield one screen for every n successive ones: the brightest, or the last where RGB."""
     while among := list(islice(frames, n)):
-        gray = screen.grayscale
-        yield among[-1] if gray is None else brightest(np.array(among), gray)
-
-
-def brightest(frames: npt.NDArray[np.uint8], grayscale: npt.NDArray[np.uint8]) -> Screen:
-    """Return the pixel-wise brightest of screens of palette values.
-
-    Args:
-        frames: The screens, uint8 (n, height, width).
-        grayscale: Grays by palette value, uint8 (256,).
-    """
-    at = grayscale[frames].argmax(axis=0)[None]
-    pixels: Screen = np.take_along_axis(frames, at, axis=0)[0]
-    return pixels
+        yield joined(among, screen)
 
 
 def _picture(pixels: Screen, screen: ScreenSpec) -> Image.Image:

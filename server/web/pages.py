@@ -26,6 +26,24 @@ _HASHED = "/assets/"
 _IMMUTABLE = "public, max-age=31536000, immutable"
 
 
+def share_parts(folder: Path = FRONTEND) -> tuple[str, str]:
+    """Return style and script of pages that are sent, see trainer.sharing.
+
+    Args:
+        folder: The build.
+
+    Raises:
+        Unavailable: The frontend was not built.
+    """
+    paths = [folder / "share" / name for name in ("share.css", "share.js")]
+    if missing := [path for path in paths if not path.is_file()]:
+        raise Unavailable(
+            f"The page has not been built: {missing[0]} is missing. Run `make frontend`."
+        )
+    style, script = (path.read_text(encoding="utf-8").strip() for path in paths)
+    return style, script
+
+
 class Frontend:
     """The built frontend; only files found by listing its folder are served.
 

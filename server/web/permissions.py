@@ -123,6 +123,7 @@ OPERATIONS: dict[Need, tuple[str, ...]] = {
         "answer_blind",
         "get_blind_frames",
         "get_run_archive",
+        "get_run_page",
         "get_artifact",
         "get_reward_trace",
         "get_attention",

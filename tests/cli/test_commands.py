@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from cli.main import app
+from server.web import pages
 from testsupport.databases import on_postgresql, settings_on
 from testsupport.finished_runs import make_finished_run
 from testsupport.workplace import Workplace
@@ -224,6 +225,34 @@ def test_starts_that_make_no_sense_are_refused(starts: str) -> None:
 def test_unknown_demonstrations_name_those_there_are() -> None:
     output = _run("demo", "-b", "column-1", "--demonstrations", "seven", status=1)
     assert "choose one of scripted, human, person-150, person-250, person-350, six," in output
+
+
+@pytest.mark.usefixtures("data_folder")
+def test_a_run_is_written_as_a_page_and_all_behaviours_as_a_gallery(
+    workplace: Workplace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("TRIL_DATA", str(workplace.settings.data))
+    monkeypatch.setenv("TRIL_DATABASE_URL", workplace.settings.database_url)
+    monkeypatch.setattr(pages, "share_parts", lambda: ("p{}", "void 0;"))
+    file = tmp_path / "column-1.html"
+    assert "has no finished run yet" in _run("runs", "share", "column-1", "-o", str(file), status=1)
+    assert "has a finished run yet" in _run("gallery", str(tmp_path / "none"), status=1)
+    run_id = make_finished_run(workplace)
+    assert "Wrote" in _run("runs", "share", "column-1", "-o", str(file))
+    assert file.with_suffix(".png").read_bytes().startswith(b"\x89PNG")
+    by_id = tmp_path / "again.html"
+    _run("runs", "share", run_id, "-o", str(by_id))
+    assert by_id.read_bytes() == file.read_bytes()
+    assert "ends in .html" in _run("runs", "share", run_id, "-o", str(tmp_path / "x"), status=1)
+    folder = tmp_path / "gallery"
+    assert "Wrote" in _run("gallery", str(folder))
+    names = {one.name for one in folder.iterdir()}
+    assert names == {"index.html", "column-1.html", "column-1.png"}
+    index = (folder / "index.html").read_text()
+    assert 'href="column-1.html"' in index
+    assert index.count("data:image/png;base64,") == 1
+    assert (folder / "column-1.html").read_bytes() == file.read_bytes()
+    assert _run("audit").count(f"exported run {run_id}") == 3
 
 
 @pytest.mark.usefixtures("data_folder")

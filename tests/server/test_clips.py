@@ -14,13 +14,14 @@ from PIL import Image, ImageSequence
 from starlette.testclient import TestClient
 
 from server.clips import ClipKind, ClipMaker
-from server.clips.render import brightest, frames_per_picture, render
+from server.clips.render import frames_per_picture, render
 from tests.server.clients import replayed, stored
 from testsupport.workplace import FRAMES, Workplace
 from tril.errors import Invalid, Unavailable
 from tril.files.cache import sealed
 from tril.games import game_named
 from tril.games.atari.palette import palette_grayscale, palette_rgb
+from tril.play.screens import brightest
 from tril.recording import Recording
 
 FRAMES_PER_PICTURE, PICTURE_MS = 3, 50

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import re
 from functools import cache
 
@@ -36,8 +37,14 @@ def _environment() -> Environment:
         "counting": _counting,
         "plain": _plain,
         "code": _code,
+        "data_url": png_url,
     }
     return environment
+
+
+def png_url(picture: bytes) -> str:
+    """Return a PNG as a URL that holds it."""
+    return f"data:image/png;base64,{base64.b64encode(picture).decode()}"
 
 
 def _plain(text: object) -> str:

@@ -126,6 +126,8 @@ class ToldStatement(Stored):
             earlier versions made.
         shown: A moment of a better game in which it holds most; None where nothing differs.
         contrast: A moment of a worse game in which it holds least.
+        kinds: Kinds of things that it is about, by their indices in the game's vocabulary; empty
+            in runs of earlier versions.
     """
 
     sentence: str
@@ -133,6 +135,7 @@ class ToldStatement(Stored):
     subjects: list[str] = []
     shown: ShownMoment | None = None
     contrast: ShownMoment | None = None
+    kinds: list[int] = []
 
 
 class CheckVerdict(CheckFigures):

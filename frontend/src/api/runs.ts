@@ -87,9 +87,12 @@ export function openExample(): Promise<Run> {
 /** The server gives up making an archive after 300 s. */
 const ARCHIVE_MS = 330_000;
 
-/** Fetches a finished run as a zip; the server takes some seconds to make it the first time. */
-export async function fetchArchive(runId: string): Promise<Blob> {
-  const url = `/api/runs/${runId}/archive.zip`;
+/** What a finished run is taken away as: a zip, a page that needs no server, the page's poster. */
+export type TakenAway = "archive.zip" | "page.html" | "page.png";
+
+/** Fetches a finished run as a file; the server takes some seconds to make it the first time. */
+export async function fetchTakenAway(runId: string, file: TakenAway): Promise<Blob> {
+  const url = `/api/runs/${runId}/${file}`;
   return new Blob([await fetchBytes(url, undefined, ARCHIVE_MS)]);
 }
 

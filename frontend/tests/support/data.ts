@@ -176,6 +176,7 @@ export function results(one: Run, change: Partial<RunResults> = {}): RunResults 
     further_comparison: [],
     games: [],
     proposed: [],
+    shown_game: null,
     training_games: null,
     summaries: [],
     measures: [],

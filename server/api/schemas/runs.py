@@ -256,8 +256,9 @@ class RunResults(Schema):
     ``comparison`` has the starts of the headline figures, ``further_comparison`` the others.
     ``percentiles`` are the states of the ranked recordings at the percentiles 0, 1, ..., 100 of R;
     empty for runs of earlier versions. ``proposed`` are the recordings of the imitator's games that
-    are proposed for the ranking. ``training_games`` are those of its newest snapshot. ``blind`` is
-    the result of each person's latest blind comparison.
+    are proposed for the ranking. ``shown_game`` is the recording of the imitator's game that is
+    shown beside the best demonstration. ``training_games`` are those of its newest snapshot.
+    ``blind`` is the result of each person's latest blind comparison.
     """
 
     run: Run
@@ -267,6 +268,7 @@ class RunResults(Schema):
     further_comparison: list[ComparisonRow]
     games: list[EvaluationGame]
     proposed: list[int]
+    shown_game: int | None
     training_games: TrainingGames | None
     summaries: list[PolicyGamesSummary]
     measures: list[MeasureRow]

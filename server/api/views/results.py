@@ -71,6 +71,7 @@ def run_results(session: Session, who: Identity, run: RunRow) -> RunResults:
     demonstrations = recordings.by_ids(session, [i for tier in tiers for i in tier])
     shown = {key: views.view(row) for key, row in demonstrations.items()}
     best = best_demonstration(session, run)
+    beside = evaluations.shown_game(games, best)
     said = verdict_of(session, run, alarm)
     n_targets = behaviours.n_targets(session, run.behaviour_id)
     proposed = proposals.proposed_games(games, headline_starts, n_targets)
@@ -82,6 +83,7 @@ def run_results(session: Session, who: Identity, run: RunRow) -> RunResults:
         further_comparison=_comparison(further, games, views),
         games=[_game(row, views) for row in games],
         proposed=[row.recording_id for row in proposed],
+        shown_game=None if beside is None else beside.recording_id,
         training_games=_training_games(session, run.id, views),
         summaries=_summaries(games, n_targets),
         measures=_measures(session, run, games, demonstrations.values()),

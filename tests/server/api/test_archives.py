@@ -10,6 +10,7 @@ import pytest
 from starlette.testclient import TestClient
 
 from server.archives import ArchiveMaker
+from server.web.pages import FRONTEND
 from testsupport.finished_runs import make_finished_run
 from testsupport.workplace import Workplace, make_workplace
 from trainer.archive.run_archive import write_archive
@@ -38,12 +39,36 @@ def test_a_finished_run_is_downloaded_as_one_zip_which_is_made_once(
     assert client.get(f"/api/runs/{run_id}/archive.zip").content == b"kept"
 
 
+@pytest.mark.skipif(not (FRONTEND / "share").is_dir(), reason="needs the built page")
+def test_a_finished_run_is_downloaded_as_a_page_with_its_poster(
+    client: TestClient, workplace: Workplace
+) -> None:
+    run_id = make_finished_run(workplace)
+    page = client.get(f"/api/runs/{run_id}/page.html")
+    assert page.status_code == 200, page.text
+    assert page.headers["content-type"] == "text/html; charset=utf-8"
+    # Shown in place it would be a page of this site.
+    named = f'attachment; filename="tril-column-1-{run_id[:8]}.html"'
+    assert page.headers["content-disposition"] == named
+    assert "Shoot all six aliens of the leftmost column" in page.text
+    (kept,) = workplace.settings.cache_folder.glob("*.page.zip")
+    # Both were made at once and are kept.
+    pages = io.BytesIO()
+    with zipfile.ZipFile(pages, "w") as archive:
+        archive.writestr("png", b"kept")
+    kept.write_bytes(sealed(pages.getvalue()))
+    poster = client.get(f"/api/runs/{run_id}/page.png")
+    assert (poster.content, poster.headers["content-type"]) == (b"kept", "image/png")
+    assert client.get(f"/api/runs/{run_id}/page.zip").status_code == 422
+
+
 def test_only_a_finished_run_that_is_there_is_downloaded(
     client: TestClient, workplace: Workplace
 ) -> None:
     unfinished = client.get(f"/api/runs/{workplace.make_run()}/archive.zip")
     assert unfinished.status_code == 409
     assert "It can be taken away once it is done" in unfinished.json()["detail"]
+    assert client.get(f"/api/runs/{workplace.make_run()}/page.html").status_code == 409
     nothing = client.get("/api/runs/00000000-0000-0000-0000-000000000000/archive.zip")
     assert nothing.status_code == 404
     assert client.get("/api/runs/7/archive.zip").status_code == 422

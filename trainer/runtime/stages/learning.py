@@ -95,6 +95,7 @@ def _statements(data: RunData) -> list[ToldStatement]:
                 sentence=told.sentence,
                 probability=round(told.probability, 3),
                 subjects=list(told.subjects),
+                kinds=list(told.kinds(understanding.words)),
                 shown=contrast and contrast.most.shown(ranked, game.clock),
                 contrast=contrast and contrast.least.shown(ranked, game.clock),
             )

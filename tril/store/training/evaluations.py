@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Literal, NamedTuple
 
 from sqlalchemy import select
@@ -13,7 +13,7 @@ from tril.analysis.summary import GameFigures, Policy, PolicySummary, summarise
 from tril.games import game_named
 from tril.games.behaviours import Score
 from tril.store.changes import note_change
-from tril.store.models import EvaluationRow
+from tril.store.models import EvaluationRow, RecordingRow
 
 POLICIES: tuple[Policy, ...] = ("imitator", "clone")
 
@@ -118,3 +118,30 @@ def summaries(
             groups[row.policy, row.action_selection].append(figures_of(row, n_targets))
     order = [(policy, how) for policy in POLICIES for how in ACTION_SELECTIONS]
     return {key: summarise(groups[key]) for key in order if key in groups}
+
+
+def shown_game(games: Sequence[EvaluationRow], best: RecordingRow | None) -> EvaluationRow | None:
+    """Return the imitator's game that is shown beside the best demonstration.
+
+    Of its greedy games it is the one whose start is nearest, from a start that no training game
+    began from if there is one. How it went does not count.
+
+    Args:
+        games: A run's evaluation games, loaded with their recordings.
+        best: The best demonstration, if there is one.
+
+    Returns:
+        None before the imitator has played.
+    """
+    greedy = [row for row in games if row.policy == "imitator" and row.action_selection == "greedy"]
+    candidates = [row for row in greedy if row.held_out] or greedy
+
+    def distance(row: EvaluationRow) -> float:
+        return 0.0 if best is None else _start_distance(row.recording.start, best.start)
+
+    return min(candidates, key=distance, default=None)
+
+
+def _start_distance(start: Mapping[str, float], other: Mapping[str, float]) -> float:
+    """Return the sum of the differences of what two starts set; what one lacks is 0 there."""
+    return sum(abs(start.get(name, 0) - other.get(name, 0)) for name in {*start, *other})

@@ -98,6 +98,12 @@ def listing(
     return list(session.scalars(query.order_by(RunRow.created_at.desc(), RunRow.id).limit(limit)))
 
 
+def newest_done(session: Session, behaviour_id: int) -> RunRow | None:
+    """Return a behaviour's newest finished run; None if it has none."""
+    rows = listing(session, behaviour_id)
+    return next((row for row in rows if row.status == RunStatus.DONE), None)
+
+
 def unfinished(session: Session) -> list[RunRow]:
     """Return the unfinished runs, oldest first."""
     query = select(RunRow).where(RunRow.deleted_at.is_(None), RunRow.status.in_(NOT_OVER))

@@ -41,7 +41,7 @@ export function RunPage({ run, behaviour }: { run: Run; behaviour: Behaviour }) 
   return (
     <div className={styles.stack}>
       <PageTitle>{t`${runName(run)} · ${behaviour.name} · Tril`}</PageTitle>
-      <RunHead run={run} />
+      <RunHead run={run} behaviour={behaviour} />
       {results?.verdict && (
         <VerdictView
           verdict={results.verdict}

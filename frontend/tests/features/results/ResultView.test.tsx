@@ -5,7 +5,6 @@ import { describe, expect, it, vi } from "vitest";
 import type { Behaviour, PolicySummary, RunResults, StatementAnswer } from "@/api/types";
 import { figuresOf } from "@/features/results/result/figures";
 import { ResultView } from "@/features/results/result/ResultView";
-import { shownGames } from "@/features/results/result/shown-games";
 
 import { behaviour, game, recording, results, run, statement } from "../../support/data";
 import { framesFile } from "../../support/frames";
@@ -22,7 +21,11 @@ const NEAR = game({
 const FAR = game({
   recording: recording({ id: 21, source: "policy", run_id: ONE.id, start: { idle_frames: 10 } }),
 });
-const GAMES: Partial<RunResults> = { games: [FAR, NEAR], best_demonstration: BEST };
+const GAMES: Partial<RunResults> = {
+  games: [FAR, NEAR],
+  shown_game: 20,
+  best_demonstration: BEST,
+};
 const SUMMARY: PolicySummary = {
   targets: { mean: 4.7, low: 3.9, high: 5.4, n: 23 },
   strays: { mean: 0.2, low: 0, high: 0.5, n: 23 },
@@ -78,17 +81,6 @@ function calm() {
 }
 
 describe("the games of a result", () => {
-  it("are the imitator's from the nearest start and the best demonstration", () => {
-    const shown = (change: Partial<RunResults>) => shownGames(results(ONE, change));
-    expect(shown(GAMES)).toEqual({ imitator: NEAR, best: BEST });
-    const seen = { ...NEAR, held_out: false };
-    expect(shown({ ...GAMES, games: [FAR, seen] })?.imitator).toBe(FAR);
-    expect(shown({ ...GAMES, games: [seen] })?.imitator).toBe(seen);
-    expect(shown({ games: [FAR, NEAR] })).toEqual({ imitator: FAR, best: null });
-    const others = [{ ...NEAR, policy: "clone" as const }];
-    expect(shown({ games: [...others, { ...NEAR, action_selection: "sticky" }] })).toBeNull();
-  });
-
   it("play at once and in step, with R of both under them", async () => {
     open();
     const position = await screen.findByRole<HTMLInputElement>("slider", {

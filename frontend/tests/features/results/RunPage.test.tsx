@@ -105,6 +105,32 @@ describe("taking a run away", () => {
     expect(saved).toEqual([`tril-${behaviour().slug}-${one.id.slice(0, 8)}.zip`]);
   });
 
+  it("downloads a page to send, from its head, too", async () => {
+    const one = run({ status: "done" });
+    const page = () => new ArrayBuffer(8);
+    const asked = open(
+      one,
+      {},
+      {
+        [`GET /api/runs/${one.id}/page.html`]: page,
+        [`GET /api/runs/${one.id}/page.png`]: page,
+      },
+    );
+    const saved: string[] = [];
+    vi.spyOn(HTMLAnchorElement.prototype, "click").mockImplementation(function (
+      this: HTMLAnchorElement,
+    ) {
+      saved.push(this.download);
+    });
+    URL.createObjectURL = () => "blob:1";
+    const name = `tril-${behaviour().slug}-${one.id.slice(0, 8)}`;
+    for (const button of ["Share", "One page to send", "Its poster"]) {
+      await userEvent.click(await screen.findByRole("button", { name: button }));
+    }
+    await waitFor(() => expect(saved).toEqual([`${name}.html`, `${name}.html`, `${name}.png`]));
+    expect(asked.filter(({ path }) => /page\.(html|png)$/.test(path))).toHaveLength(3);
+  });
+
   it("says why that failed", async () => {
     const one = run({ status: "done" });
     const refusal = new Refusal(503, { detail: "Several archives are being made already." });

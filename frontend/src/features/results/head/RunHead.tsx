@@ -3,7 +3,7 @@ import { Trans } from "@lingui/react/macro";
 import { useState } from "react";
 import { Link } from "react-router";
 
-import type { Run } from "@/api/types";
+import type { Behaviour, Run } from "@/api/types";
 import { IconButton } from "@/components/controls/Button";
 import { RunName } from "@/components/RunName";
 import { Ago } from "@/features/results/Ago";
@@ -17,7 +17,7 @@ import { DescribeRunDialog } from "./DescribeRunDialog";
 import styles from "./RunHead.module.css";
 
 /** The name, state, settings and notes of a run. */
-export function RunHead({ run }: { run: Run }) {
+export function RunHead({ run, behaviour }: { run: Run; behaviour: Behaviour }) {
   const [describing, setDescribing] = useState(false);
   return (
     <div className={styles.head}>
@@ -59,7 +59,7 @@ export function RunHead({ run }: { run: Run }) {
         </p>
         {run.notes && <p className={styles.notes}>{run.notes}</p>}
       </div>
-      <RunActions run={run} />
+      <RunActions run={run} behaviour={behaviour} />
       {describing && <DescribeRunDialog run={run} onClose={() => setDescribing(false)} />}
     </div>
   );

@@ -4,17 +4,18 @@ import { useMutation, useQueryClient } from "@tanstack/react-query";
 
 import { messageOf } from "@/api/client";
 import { cancelRun, resumeRun, runQuery } from "@/api/runs";
-import type { Run } from "@/api/types";
+import type { Behaviour, Run } from "@/api/types";
 import { Button, ButtonLink } from "@/components/controls/Button";
 import { useToast } from "@/components/feedback/Toasts";
+import { useTakingAway } from "@/features/results/use-taking-away";
 import { isActive } from "@/lib/runs";
 
 import { againPath } from "./again";
 import styles from "./RunActions.module.css";
 import { useRunDeletion } from "./use-run-deletion";
 
-/** Cancels an active run; resumes or deletes any other; begins another one like it. */
-export function RunActions({ run }: { run: Run }) {
+/** Cancels an active run; shares, resumes or deletes any other; begins another one like it. */
+export function RunActions({ run, behaviour }: { run: Run; behaviour: Behaviour }) {
   const client = useQueryClient();
   const toast = useToast();
   const remove = useRunDeletion(run);
@@ -27,6 +28,7 @@ export function RunActions({ run }: { run: Run }) {
     },
     onError: (error) => toast(messageOf(error)),
   });
+  const share = useTakingAway(run, behaviour, (error) => toast(messageOf(error)));
   const again = (
     <ButtonLink icon="redo" to={againPath(run)}>
       <Trans>Run again with changes</Trans>
@@ -57,6 +59,11 @@ export function RunActions({ run }: { run: Run }) {
           onClick={() => act.mutate(resumeRun)}
         >
           {run.status === "stopped" ? t`Go on anyway` : t`Resume run`}
+        </Button>
+      )}
+      {run.status === "done" && (
+        <Button icon="upload" disabled={share.isPending} onClick={() => share.mutate("page.html")}>
+          {share.isPending ? t`Making the page…` : t`Share`}
         </Button>
       )}
       {again}

@@ -1,24 +1,35 @@
 import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
-import { useMutation } from "@tanstack/react-query";
 
 import { messageOf } from "@/api/client";
-import { fetchArchive } from "@/api/runs";
 import type { Behaviour, Run } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Notice } from "@/components/feedback/States";
-import { saveFile } from "@/lib/browser/save-file";
+import { useTakingAway } from "@/features/results/use-taking-away";
 
 import styles from "./TakeAway.module.css";
 
-/** Downloads a finished run as one zip. */
+/** Downloads a finished run: as one page to send, or as one zip. */
 export function TakeAway({ run, behaviour }: { run: Run; behaviour: Behaviour }) {
-  const download = useMutation({
-    mutationFn: () => fetchArchive(run.id),
-    onSuccess: (archive) => saveFile(archive, `tril-${behaviour.slug}-${run.id.slice(0, 8)}.zip`),
-  });
+  const { mutate, isPending, variables, error } = useTakingAway(run, behaviour);
+  const making = isPending ? variables : null;
   return (
     <div className={styles.takeAway}>
+      <p>
+        <Trans>
+          One page to send: a file that opens in any browser, without Tril and without a network.
+          The imitator plays beside your best game, and your order is there to watch. Send its
+          poster along where a picture says more.
+        </Trans>
+      </p>
+      <div className={styles.buttons}>
+        <Button icon="upload" disabled={isPending} onClick={() => mutate("page.html")}>
+          {making === "page.html" ? t`Making the page…` : t`One page to send`}
+        </Button>
+        <Button icon="download" disabled={isPending} onClick={() => mutate("page.png")}>
+          {making === "page.png" ? t`Making the poster…` : t`Its poster`}
+        </Button>
+      </div>
       <p>
         <Trans>
           One zip with a report that opens anywhere, the policies and the reward as files that load
@@ -26,15 +37,18 @@ export function TakeAway({ run, behaviour }: { run: Run; behaviour: Behaviour })
           it again, on any machine.
         </Trans>
       </p>
-      <Button icon="download" disabled={download.isPending} onClick={() => download.mutate()}>
-        {download.isPending ? t`Making the zip…` : t`Everything as a zip`}
+      <Button icon="download" disabled={isPending} onClick={() => mutate("archive.zip")}>
+        {making === "archive.zip" ? t`Making the zip…` : t`Everything as a zip`}
       </Button>
       <p className={styles.hint} role="status">
-        {download.isPending && t`Figures and clips are drawn; this takes up to a minute.`}
+        {making === "archive.zip" && t`Figures and clips are drawn; this takes up to a minute.`}
+        {isPending &&
+          making !== "archive.zip" &&
+          t`All its games are replayed; this takes up to a minute.`}
       </p>
-      {download.error && (
+      {error && (
         <Notice tone="bad" live>
-          <p>{messageOf(download.error)}</p>
+          <p>{messageOf(error)}</p>
         </Notice>
       )}
     </div>
