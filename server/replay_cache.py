@@ -32,8 +32,13 @@ def version_of(recording: Recording) -> str:
     return digest.hexdigest()
 
 
+def keep_strip(cache: Cache, recording: Recording, strip: bytes) -> None:
+    """Keep a film strip that was made while the recording was checked."""
+    cache.get(_name(recording, ReplayTask.STRIP), lambda: strip)
+
+
 class ReplayCache:
-    """Frames, thumbnails, memory, observations, things, facts and clips of recordings; thread-safe.
+    """Frames, film strips, memory, observations, things, facts and clips; thread-safe.
 
     Args:
         cache: Where the files are kept.

@@ -8,6 +8,7 @@ import socket
 from collections.abc import AsyncIterator, Collection
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
+from functools import partial
 
 from server.archives import ArchiveMaker
 from server.change_stream import Change, ChangeStream
@@ -20,7 +21,7 @@ from server.play.limits import GameLimits
 from server.play.replays import ReplayProcess
 from server.play.rules import PlayRules
 from server.play.watch.hub import WatchHub
-from server.replay_cache import ReplayCache
+from server.replay_cache import ReplayCache, keep_strip
 from server.storage import StorageMeter
 from server.understanding import OrderReader
 from server.vocabularies import VocabularyMaker
@@ -49,7 +50,7 @@ class Services:
         inference: Client of the inference process.
         consoles: Pool of loaded consoles.
         replays: The process that replays recordings and plays at random.
-        replay_cache: Frames, thumbnails, memory and clips of recordings.
+        replay_cache: Frames, film strips, memory and clips of recordings.
         vocabularies: Learns to see games.
         order_reader: Infers what orders of games are about.
         archives: Makes runs into zip files.
@@ -120,10 +121,10 @@ async def running_services(settings: Settings, rules: PlayRules) -> AsyncIterato
     check_schema(database)
     name = process_name()
     consoles = ConsolePool(rules.max_games + N_SPARE_CONSOLES)
-    replays = ReplayProcess()
     limits = GameLimits.from_settings(settings, rules.max_games, name)
     jobs = Jobs(database, settings)
     cache = Cache(settings.cache_folder, settings.cache_limit_bytes)
+    replays = ReplayProcess(partial(keep_strip, cache))
     access = Access(settings, database)
 
     measurer = Measurer(database, replays)

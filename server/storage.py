@@ -23,7 +23,7 @@ class StorageUse:
     Attributes:
         databases_bytes: The databases with their logs.
         artifacts_bytes: The files of trainings; 0 if they are in a remote store.
-        cache_bytes: Frames, thumbnails and clips, which can be derived again.
+        cache_bytes: Frames, film strips and clips, which can be derived again.
         other_bytes: The rest of the data folder.
     """
 

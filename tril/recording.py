@@ -267,6 +267,7 @@ def verify(
     console: Console | None = None,
     rewards: Sequence[float] | None = None,
     measures: Sequence[Measure] = (),
+    on_frame: Callable[[Episode], None] | None = None,
 ) -> Verified:
     """Verify a recording by replaying it.
 
@@ -276,14 +277,16 @@ def verify(
         console: A console of its game to replay on; None makes one.
         rewards: Expected reward of every frame; None skips the comparison.
         measures: Measures to take in the same replay.
+        on_frame: Called at the start and after every frame; not together with ``rewards``.
 
     Raises:
         RecordingRefused: It was played on another version of the game, or the replay differs.
         Invalid: The game can't be measured so.
     """
     _check_version(recording)
-    check_rewards = None if rewards is None else _RewardCheck(rewards)
-    played = _measured_replay(recording, console, measures, check_rewards)
+    if rewards is not None:
+        on_frame = _RewardCheck(rewards)
+    played = _measured_replay(recording, console, measures, on_frame)
     _check_hashes(recording, played.hashes)
     cells = [item.cell for item in played.taken]
     if taken is not None and cells != [tuple(cell) for cell in taken]:

@@ -46,7 +46,7 @@ class Settings(BaseSettings):
         jobs_database_url: URL of the job queue's database. If empty, the queue is in the
             application's database where that is PostgreSQL, else SQLite in ``data``.
         artifacts_url: fsspec URL of the artifact store; a folder in ``data`` if empty.
-        cache_limit_bytes: Maximum size of cached files (frames, thumbnails) on disk.
+        cache_limit_bytes: Maximum size of cached files (frames, film strips) on disk.
         server_processes: Server processes behind one port; 1 suffices for a few players, use one
             per core for many.
         max_games: Maximum number of open games; 0 means 32 per server process.

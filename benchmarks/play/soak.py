@@ -129,7 +129,7 @@ class Visitors:
                 "/",
                 "/api/behaviours/1/ranking",
                 f"/api/recordings/{number}",
-                f"/api/recordings/{number}/thumbnail.png",
+                f"/api/recordings/{number}/strip.webp",
                 f"/api/recordings/{number}/frames",
                 "/api/system",
             ):

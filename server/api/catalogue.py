@@ -16,12 +16,14 @@ from server.api.schemas.catalogue import (
     NamedEnd,
     NamedRule,
     ReadyMade,
+    Strip,
     TaughtGame,
     Title,
 )
 from server.api.schemas.measures import Measure
 from server.dependencies import ReadSession, Who, services_of
 from server.play.replays import ReplayTask
+from server.play.replays.strip import StripFormat
 from server.web.problems import NOT_FOUND
 from tril import __version__
 from tril.demonstrators.varied import has_player
@@ -83,6 +85,7 @@ def game_view(name: str) -> TaughtGame:
         width=game.screen.width,
         height=game.screen.height,
         pixel_aspect=game.screen.pixel_aspect,
+        strip=Strip.of(StripFormat.of(game.screen)),
         frame_rate_hz=game.clock.frame_rate_hz,
         frames_per_step=game.clock.frames_per_step,
         max_steps=game.clock.max_steps,

@@ -99,10 +99,14 @@ def get_recording_frames(source: Source) -> Response:
     return source.file(ReplayTask.FRAMES, _BYTES)
 
 
-@router.get("/recordings/{recording_id}/thumbnail.png", **_file_route("image/png"))
-def get_recording_thumbnail(source: Source) -> Response:
-    """Return a picture of the moment after a recording's last hit, else of its last frame."""
-    return source.file(ReplayTask.THUMBNAIL, "image/png")
+@router.get("/recordings/{recording_id}/strip.webp", **_file_route("image/webp"))
+def get_recording_strip(source: Source) -> Response:
+    """Return a recording's film strip: the first frame, the last, and six between that differ.
+
+    They are row by row in two columns, of the size that the game's ``strip`` says. Below them are
+    the same, reduced, in four columns.
+    """
+    return source.file(ReplayTask.STRIP, "image/webp")
 
 
 @router.get("/recordings/{recording_id}/memory", **_file_route(_BYTES))

@@ -72,7 +72,7 @@ OPERATIONS: dict[Need, tuple[str, ...]] = {
         "get_recording_course",
         "export_recording",
         "get_recording_frames",
-        "get_recording_thumbnail",
+        "get_recording_strip",
         "get_recording_memory",
         "get_recording_clip",
         "create_game_from",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
+import math
 import re
 from collections.abc import Iterator
 
@@ -12,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from PIL import Image
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, FloatRect, Page, expect
 
 from server.web.pages import FRONTEND
 from tests.e2e.pages import DESKTOP, signed_in
@@ -115,13 +116,45 @@ def test_the_address_keeps_the_filters_and_a_deletion_of_several_is_undone(
     expect(cards).to_have_count(4)
 
 
-def test_a_card_plays_while_it_is_pointed_at(page: Page) -> None:
+def test_a_card_loops_through_the_moments_of_its_strip_while_it_is_pointed_at(page: Page) -> None:
     card = page.get_by_role("article").first
-    expect(card.get_by_role("img", name="Recording, playing")).to_have_count(0)
-    card.get_by_role("button", name=re.compile("Watch")).hover()
-    expect(card.get_by_role("img", name="Recording, playing")).to_be_visible()
-    page.get_by_role("heading", name="4 recordings").hover()
-    expect(card.get_by_role("img", name="Recording, playing")).to_have_count(0)
+    picture = card.locator("img").first
+    content = page.request.get(str(picture.get_attribute("src"))).body()
+    with Image.open(io.BytesIO(content)) as strip:
+        sheet = np.asarray(strip.convert("RGB"))
+    moments = sheet[: 4 * 210].reshape(4, 210, 2, 160, 3).swapaxes(1, 2).reshape(8, 210, 160, 3)
+
+    def shown() -> npt.NDArray[np.uint8]:
+        expect(picture).to_have_js_property("complete", True)
+        box = picture.locator("..").bounding_box()
+        assert box is not None
+        # Browsers paint on whole pixels.
+        left, top = math.floor(box["x"] + 0.5), math.floor(box["y"] + 0.5)
+        clip: FloatRect = {"x": left, "y": top, "width": 320, "height": 210}
+        png = page.screenshot(clip=clip, animations="allow")
+        return np.asarray(Image.open(io.BytesIO(png)).convert("RGB"))
+
+    def doubled(moment: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+        return moment.repeat(2, axis=1)
+
+    np.testing.assert_array_equal(shown(), doubled(moments[-1]))
+    heading = page.get_by_role("heading", name="4 recordings")
+    for begin in (card.hover, card.get_by_role("button", name=re.compile("Watch")).focus):
+        page.keyboard.press("Shift")  # what gets the focus from now on shows it
+        begin()
+        seek = """(image, ms) => image.getAnimations().map((one) => {
+            one.pause();
+            one.currentTime = ms;
+        }).length"""
+        for place, moment in enumerate(moments):
+            assert picture.evaluate(seek, 150 + 350 * place + 100) == 1
+            np.testing.assert_array_equal(shown(), doubled(moment))
+        heading.hover()
+        page.evaluate("document.activeElement.blur()")
+        np.testing.assert_array_equal(shown(), doubled(moments[-1]))
+    page.emulate_media(reduced_motion="reduce")
+    card.hover()
+    assert picture.evaluate("(image) => image.getAnimations().length") == 0
 
 
 def test_a_video_and_the_data_are_downloaded(page: Page, shared_workplace: Workplace) -> None:

@@ -43,7 +43,7 @@ def test_an_answer_is_kept_for_a_while(tmp_path: Path) -> None:
     assert eager.use().cache_bytes == 10_001
 
 
-@pytest.mark.parametrize("what", ["thumbnail_url", "frames_url"])
+@pytest.mark.parametrize("what", ["strip_url", "frames_url"])
 def test_the_page_is_told_what_the_cache_takes_and_may_take(
     client: TestClient, workplace: Workplace, what: str
 ) -> None:

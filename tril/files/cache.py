@@ -1,4 +1,4 @@
-"""A bounded disk cache of reproducible files such as frames and thumbnails.
+"""A bounded disk cache of reproducible files such as frames and film strips.
 
 Files are named by their inputs and therefore never stale; the least recently used are evicted
 first. Several processes may share a folder.

@@ -70,7 +70,7 @@ export function recording(change: Partial<Recording> = {}): Recording {
     perfect: false,
     notes: "",
     ranked: false,
-    thumbnail_url: `/api/recordings/${id}/thumbnail.png?v=1`,
+    strip_url: `/api/recordings/${id}/strip.webp?v=1`,
     frames_url: `/api/recordings/${id}/frames?v=1`,
     created_at: "2026-01-01T12:00:00Z",
     deleted: false,

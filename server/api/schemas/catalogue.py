@@ -48,6 +48,15 @@ class Items(Schema):
     row_colours: list[str]
 
 
+class Strip(Schema):
+    """The sizes in pixels of the moments of a film strip, and of the reduced ones below them."""
+
+    width: int
+    height: int
+    small_width: int
+    small_height: int
+
+
 class ReadyMade(Schema):
     """A behaviour that comes with a game, to be added as it is or changed."""
 
@@ -76,6 +85,7 @@ class TaughtGame(Schema):
     width: int
     height: int
     pixel_aspect: float
+    strip: Strip
     frame_rate_hz: int
     frames_per_step: int
     max_steps: int

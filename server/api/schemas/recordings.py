@@ -57,7 +57,7 @@ class Branch(Schema):
 class Recording(Schema):
     """``targets``, ``strays``, ``order_errors`` are None for behaviours without a target.
 
-    ``frames_url`` and ``thumbnail_url`` carry a version, so that they may be cached for ever.
+    ``frames_url`` and ``strip_url`` carry a version, so that they may be cached for ever.
     ``latency`` is None if it was not measured. ``slowest_percent`` is the slowest speed of play,
     100 being 60 Hz, and ``single_steps`` the number of frames executed one at a time; both are None
     if unknown. ``parent`` is the recording that this one continues; ``begun_by`` tells the policy
@@ -103,7 +103,7 @@ class Recording(Schema):
     perfect: bool
     notes: str
     ranked: bool
-    thumbnail_url: str
+    strip_url: str
     frames_url: str
     created_at: datetime
     deleted: bool

@@ -106,7 +106,7 @@ class RecordingViews:
             parent=parent_of(self._session, self._who, row),
             begun_by=_begun_by(conditions),
             ranked=row.id in self._ranked_of(shown_for),
-            thumbnail_url=f"/api/recordings/{row.id}/thumbnail.png?v={version}",
+            strip_url=f"/api/recordings/{row.id}/strip.webp?v={version}",
             frames_url=f"/api/recordings/{row.id}/frames?v={version}",
             deleted=row.deleted_at is not None,
         )

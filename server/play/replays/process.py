@@ -7,7 +7,7 @@ import os
 import pickle
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
@@ -44,9 +44,14 @@ class ReplayProcess:
     """Replays recordings and makes games of varied play in a child process, in turn; thread-safe.
 
     The process is started when it is first needed, and restarted when it has died.
+
+    Args:
+        keep_strip: Called in a thread with each recording that passes its check and its film
+            strip.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, keep_strip: Callable[[Recording, bytes], None] = lambda *_: None) -> None:
+        self._keep_strip = keep_strip
         self._process: subprocess.Popen[bytes] | None = None
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="replays")
 
@@ -138,6 +143,9 @@ class ReplayProcess:
     def _execute(self, request: Request) -> bytes:
         content = self._content(request)
         assert isinstance(content, bytes)
+        if request.task is ReplayTask.CHECK:
+            self._keep_strip(request.recording, content)
+            return b""
         return content
 
     def _play(self, request: VariedPlayRequest) -> Verified:

@@ -16,6 +16,7 @@ from server.play.replays.products import (
     observations_file,
     thumbnail_png,
 )
+from server.play.replays.strip import Reel, strip_webp
 from tril.demonstrators.varied import play_varied
 from tril.exchange.formats.recording_file import ImportedRecording, load_recording
 from tril.games import game_named
@@ -40,6 +41,7 @@ class ReplayTask(StrEnum):
     CHECK = "check"
     FRAMES = "frames"
     THUMBNAIL = "png"
+    STRIP = "strip"
     MEMORY = "ram"
     OBSERVATIONS = "obs"
 
@@ -179,8 +181,8 @@ class Answer:
     """The answer to a request.
 
     Attributes:
-        content: The product, empty for a check; or the game that was played, or loaded; or values
-            of measures; or what an order is about.
+        content: The product, the film strip for a check; or the game that was played, or loaded; or
+            values of measures; or what an order is about.
         refusal: Why the recording does not replay; None if it does.
         unknown_game: That its game is not installed; None if it is.
         failure: A traceback, if something else went wrong.
@@ -195,13 +197,14 @@ class Answer:
 _PRODUCTS: Mapping[ReplayTask, Callable[[Recording, Console], bytes]] = {
     ReplayTask.FRAMES: frames_file,
     ReplayTask.THUMBNAIL: thumbnail_png,
+    ReplayTask.STRIP: strip_webp,
     ReplayTask.MEMORY: memory_file,
     ReplayTask.OBSERVATIONS: observations_file,
 }
 
 
 def execute(request: AnyRequest, consoles: Consoles) -> Content:
-    """Replay a recording and return the product, nothing for a passed check; or play or load one.
+    """Replay a recording and return the product, its film strip for a check; or play or load one.
 
     Values are returned for a request to measure.
 
@@ -224,8 +227,9 @@ def execute(request: AnyRequest, consoles: Consoles) -> Content:
         words = _vocabulary(request.vocabulary)
         return Watched.of(request.recording, console, words).pack()
     if request.task is ReplayTask.CHECK:
-        verify(request.recording, request.taken, console)
-        return b""
+        reel = Reel(request.recording)
+        verify(request.recording, request.taken, console, on_frame=reel.add)
+        return reel.webp()
     return _PRODUCTS[request.task](request.recording, console)
 
 

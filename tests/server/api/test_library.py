@@ -16,7 +16,7 @@ from tests.server.clients import replayed, stored
 from testsupport.libraries import unranked_in
 from testsupport.protocol import FrameDecoder, read_frames_file
 from testsupport.workplace import FRAMES, Workplace
-from tril.games.atari.palette import palette_rgb
+from tril.files.cache import sealed
 from tril.games.space_invaders.memory import SCREEN_SHAPE
 from tril.store import behaviours
 from tril.store.models import RecordingRow, RecordingState, Verification
@@ -224,19 +224,16 @@ def test_frames_decode_to_the_screens_of_a_replay_and_are_cached_for_ever(
     assert keys == list(range(0, FRAMES + 1, 60))
 
 
-def test_a_thumbnail_shows_the_moment_after_the_last_hit_else_the_last_frame(
-    client: TestClient, workplace: Workplace
-) -> None:
-    for recording_id in workplace.ranked:
-        shown = client.get(f"/api/recordings/{recording_id}").json()
-        moment = shown["hits"][-1]["frame"] if shown["hits"] else shown["n_frames"]
-        decoder = FrameDecoder(SCREEN_SHAPE)
-        frames = read_frames_file(client.get(shown["frames_url"]).content)
-        screen = [decoder.decode(frame) for frame in frames][moment]
-        answer = client.get(shown["thumbnail_url"])
-        assert answer.headers["content-type"] == "image/png"
-        with Image.open(io.BytesIO(answer.content)) as picture:
-            np.testing.assert_array_equal(np.asarray(picture.convert("RGB")), palette_rgb()[screen])
+def test_a_strip_is_made_once_and_cached_for_ever(client: TestClient, workplace: Workplace) -> None:
+    shown = client.get(f"/api/recordings/{workplace.ranked[0]}").json()
+    answer = client.get(shown["strip_url"])
+    assert answer.headers["content-type"] == "image/webp"
+    assert "immutable" in answer.headers["cache-control"]
+    with Image.open(io.BytesIO(answer.content)) as strip:
+        assert strip.size == (2 * 160, 4 * 210 + 2 * 52)
+    (made,) = workplace.settings.cache_folder.glob("*.strip")
+    made.write_bytes(sealed(b"as it was made"))
+    assert client.get(shown["strip_url"]).content == b"as it was made"
 
 
 def test_exporting_and_importing_gives_the_same_recordings(client: TestClient) -> None:
@@ -517,7 +514,7 @@ def test_games_of_people_never_begin_at_an_evaluation_start(client: TestClient) 
     [
         "/api/recordings/99999",
         "/api/recordings/99999/frames",
-        "/api/recordings/99999/thumbnail.png",
+        "/api/recordings/99999/strip.webp",
         "/api/behaviours/99999",
         "/api/artifacts/99999",
         "/api/games/9c5b94b1-35ad-49bb-b118-8e8fc24abf80",

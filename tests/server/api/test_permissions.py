@@ -57,7 +57,7 @@ OWN_GAMES_OF_BEHAVIOUR = {
     "get_recording",
     "get_recording_course",
     "get_recording_frames",
-    "get_recording_thumbnail",
+    "get_recording_strip",
     "get_recording_memory",
     "get_recording_clip",
     "export_recording",

@@ -18,6 +18,7 @@ from tests.server.play.slow_env import NAME as SLOW
 from tests.server.play.slow_env import STEP_S
 from testsupport.live import LiveServer
 from testsupport.space_invaders import Keys
+from tril.files.cache import sealed
 
 NUMBERS = count(1)
 
@@ -50,10 +51,14 @@ def test_a_game_that_waits_stands_still_until_a_button_is_held(live: LiveServer)
     screens = replayed(recording, lambda console: console.screen())
     for frame, screen in player.screens.items():
         np.testing.assert_array_equal(screen, screens[frame])
-    picture = live.http.get(f"/api/recordings/{ended.recording_id}/thumbnail.png")
+    # The check of the game has made it.
+    made = max(live.settings.cache_folder.glob("*.strip"), key=lambda file: file.stat().st_mtime)
+    picture = live.http.get(f"/api/recordings/{ended.recording_id}/strip.webp")
     assert picture.status_code == 200, picture.text
-    with Image.open(io.BytesIO(picture.content)) as thumbnail:
-        assert thumbnail.size == (160, 160)
+    assert sealed(picture.content) == made.read_bytes()
+    with Image.open(io.BytesIO(picture.content)) as strip:
+        # Eight moments of 160x160 in two columns, then the same, of 80x80, in four.
+        assert strip.size == (320, 4 * 160 + 2 * 80)
 
 
 def test_a_game_that_is_over_tells_so_and_is_kept(live: LiveServer) -> None:

@@ -14,6 +14,7 @@ import pytest
 
 from server.play.replays import ReplayProcess, ReplayTask, process
 from server.play.replays.products import frames_file, read_observation, read_observations
+from server.play.replays.strip import strip_webp
 from testsupport.waiting import wait_until
 from testsupport.workplace import Workplace
 from tril.demonstrators import play_varied
@@ -62,6 +63,20 @@ def test_a_recording_that_replays_passes_the_check(
     replays: ReplayProcess, played: tuple[Recording, list[tuple[int, int]]]
 ) -> None:
     assert replays.submit(ReplayTask.CHECK, *played).result(PATIENCE_S) == b""
+
+
+def test_the_film_strip_of_a_recording_is_made_in_the_replay_that_checks_it(
+    played: tuple[Recording, list[tuple[int, int]]],
+) -> None:
+    recording, hits = played
+    kept: list[tuple[Recording, bytes]] = []
+    replays = ReplayProcess(lambda *strip: kept.append(strip))
+    with pytest.raises(RecordingRefused):
+        replays.submit(ReplayTask.CHECK, recording, [*hits, (5, 5)]).result(PATIENCE_S)
+    assert kept == []
+    replays.submit(ReplayTask.CHECK, *played).result(PATIENCE_S)
+    replays.stop()
+    assert kept == [(recording, strip_webp(recording))]
 
 
 def test_one_that_does_not_is_refused_with_the_reason(

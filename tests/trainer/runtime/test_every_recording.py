@@ -9,7 +9,8 @@ import pytest
 
 from server.clips.render import render
 from server.clips.request import ClipKind
-from server.play.replays.products import frames_file, thumbnail_png
+from server.play.replays.products import frames_file
+from server.play.replays.strip import strip_webp
 from server.play.session.rewind import Checkpoints
 from testsupport.space_invaders import evaluation_start
 from testsupport.workplace import TINY, Workplace
@@ -72,7 +73,7 @@ def test_every_kind_is_shown_and_rewound(kinds: dict[str, Recording]) -> None:
     console = SPACE_INVADERS.make_console()
     for recording in kinds.values():
         assert frames_file(recording, console)
-        assert thumbnail_png(recording, console)
+        assert strip_webp(recording, console)
         scenes = Checkpoints().scenes(recording, recording.n_frames, console)
         assert recording.n_frames in scenes
     assert render(kinds["dying"], ClipKind.GIF)

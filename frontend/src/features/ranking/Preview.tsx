@@ -4,13 +4,13 @@ import { useState } from "react";
 
 import { shownQuery } from "@/api/library";
 import type { Behaviour } from "@/api/types";
-import { RecordingScreen } from "@/components/recording/RecordingScreen";
 import { WatchDialog } from "@/components/recording/WatchDialog";
 import { useGame } from "@/games/game";
 import { describeCourse, describeResult } from "@/games/outcomes";
 import { recordingName } from "@/lib/recordings";
 
 import styles from "./Preview.module.css";
+import { RecordingScreen } from "./RecordingScreen";
 
 const PREVIEW = { width: 320, height: 210 } as const;
 

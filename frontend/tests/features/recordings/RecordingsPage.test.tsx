@@ -134,9 +134,11 @@ describe("the library", () => {
     library([recording({ targets: 2 })], {
       "PATCH /api/recordings/1": () => new Refusal(503, { detail: "The disk is full." }),
     });
-    await userEvent.click(await screen.findByRole("button", { name: "Mark as perfect" }));
+    await userEvent.click(
+      await screen.findByRole("button", { name: "Mark Recording 1 as perfect" }),
+    );
     expect(await screen.findByText("The disk is full.")).toBeVisible();
-    expect(screen.getByRole("button", { name: "Mark as perfect" })).toHaveAttribute(
+    expect(screen.getByRole("button", { name: "Mark Recording 1 as perfect" })).toHaveAttribute(
       "aria-pressed",
       "false",
     );
@@ -146,7 +148,7 @@ describe("the library", () => {
     const { asked } = library([recording({ strays: 2, end: "hit" })], {
       "PATCH /api/recordings/1": () => recording({ perfect: true }),
     });
-    const star = await screen.findByRole("button", { name: "Mark as perfect" });
+    const star = await screen.findByRole("button", { name: "Mark Recording 1 as perfect" });
     const marked = () => asked.filter(({ method }) => method === "PATCH");
     await userEvent.click(star);
     expect(screen.getByRole("dialog")).toHaveTextContent(
@@ -381,10 +383,8 @@ describe("the library", () => {
     list.splice(0, 2, recording({ id: 2, perfect: true }));
     const invalidator = new Invalidator(client);
     invalidator.add({ topic: "recording", key: "2" });
-    expect(await screen.findByRole("button", { name: "Perfect. Remove the mark" })).toHaveAttribute(
-      "aria-pressed",
-      "true",
-    );
+    const star = { name: "Recording 2 is perfect. Remove the mark" };
+    expect(await screen.findByRole("button", star)).toHaveAttribute("aria-pressed", "true");
     await waitFor(() => expect(names()).toEqual(["Recording 2", "Recording 1"]));
     const since = asked.slice(before);
     expect(since.map(({ path, query }) => `${path}?${query.toString()}`).sort()).toEqual([

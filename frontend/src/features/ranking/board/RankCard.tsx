@@ -7,9 +7,10 @@ import { IconButton } from "@/components/controls/Button";
 import { Icon } from "@/components/controls/Icon";
 import { Badge } from "@/components/feedback/Badge";
 import { ItemGrid } from "@/components/game/ItemGrid";
-import { RecordingScreen, useHover } from "@/components/recording/RecordingScreen";
+import { GamePicture, LOOPS } from "@/components/recording/GamePicture";
 import { SourceBadge } from "@/components/recording/SourceBadge";
 import { RunName } from "@/components/RunName";
+import { RecordingScreen, useHover } from "@/features/ranking/RecordingScreen";
 import { useGame } from "@/games/game";
 import { describeCourse, describeResult } from "@/games/outcomes";
 import { classes } from "@/lib/classes";
@@ -50,7 +51,7 @@ export function RankCard(props: RankCardProps) {
     String(recording.id),
     place,
   );
-  const [, hover] = useHover(onPreview);
+  const hover = useHover(onPreview);
   const name = recordingName(recording);
   return (
     // A tap shows it in the preview; focusing its buttons does the same by keyboard.
@@ -68,6 +69,7 @@ export function RankCard(props: RankCardProps) {
       onClick={onPreview}
       {...hover}
       {...listeners}
+      {...LOOPS}
     >
       <button
         type="button"
@@ -127,7 +129,10 @@ function Facts({
   const result = describeResult(recording, behaviour, game);
   return (
     <>
-      <ItemGrid hits={takenCells(recording)} target={behaviour.target} label="" />
+      <div className={styles.pictures}>
+        <GamePicture recording={recording} />
+        <ItemGrid hits={takenCells(recording)} target={behaviour.target} label="" />
+      </div>
       <div className={styles.words}>
         <div className={styles.title}>
           {children}

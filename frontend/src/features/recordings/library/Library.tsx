@@ -20,7 +20,7 @@ import { NOTHING, selectedOf, toggled } from "./selection";
 import { SelectionBar } from "./SelectionBar";
 
 /** About as high as a card is. */
-const CARD_PX = 368;
+const CARD_PX = 498;
 const GAP_PX = 16;
 
 interface LibraryProps {

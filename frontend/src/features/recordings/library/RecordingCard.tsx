@@ -1,14 +1,16 @@
 import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
 import { useQuery } from "@tanstack/react-query";
 import { memo, useState } from "react";
 import { Link } from "react-router";
 
 import { shownQuery } from "@/api/library";
 import type { Behaviour, Recording } from "@/api/types";
-import { IconButton } from "@/components/controls/Button";
+import { Button } from "@/components/controls/Button";
+import { Icon } from "@/components/controls/Icon";
 import { Failed } from "@/components/feedback/States";
 import { KeepOrDiscard } from "@/components/recording/KeepOrDiscard";
-import { RecordingScreen, useHover } from "@/components/recording/RecordingScreen";
+import { FilmStrip, LOOPS } from "@/components/recording/GamePicture";
 import { SourceBadge } from "@/components/recording/SourceBadge";
 import { usePerfectMark } from "@/components/recording/use-perfect-mark";
 import { useRecordingActions } from "@/components/recording/use-recording-actions";
@@ -21,9 +23,6 @@ import { classes } from "@/lib/classes";
 import { recordingName } from "@/lib/recordings";
 
 import styles from "./RecordingCard.module.css";
-
-const SCREEN_WIDTH_PX = 320;
-const SCREEN_HEIGHT_PX = 210;
 
 interface ShownRecordingProps {
   recordingId: number;
@@ -52,28 +51,25 @@ export const ShownRecording = memo(function ShownRecording(props: ShownRecording
   );
 });
 
-/** A recording with its thumbnail, result and actions. */
+/** A recording with its film strip, result and actions. */
 function RecordingCard(props: ShownRecordingProps & { recording: Recording }) {
   const game = useGame();
   const { recording, behaviour, onWatch, selected, onSelect } = props;
-  const [hovered, hover] = useHover();
   const name = recordingName(recording);
   const result = describeResult(recording, behaviour, game);
   return (
-    <article className={classes(styles.card, selected && styles.selected)} aria-label={name}>
+    <article
+      className={classes(styles.card, selected && styles.selected)}
+      aria-label={name}
+      {...LOOPS}
+    >
       <button
         type="button"
         className={styles.screen}
         aria-label={t`Watch ${name}`}
         onClick={() => onWatch(recording)}
-        {...hover}
       >
-        <RecordingScreen
-          recording={recording}
-          playing={hovered}
-          width={SCREEN_WIDTH_PX}
-          height={SCREEN_HEIGHT_PX}
-        />
+        <FilmStrip recording={recording} />
       </button>
       <div className={styles.facts}>
         <div className={styles.title}>
@@ -92,7 +88,7 @@ function RecordingCard(props: ShownRecordingProps & { recording: Recording }) {
           <h3>
             <Link to={`/recordings/${recording.id}`}>{name}</Link>
           </h3>
-          <Actions recording={recording} behaviour={behaviour} name={name} />
+          <SourceBadge recording={recording} />
         </div>
         <div className={styles.row}>
           <div className={styles.words}>
@@ -102,13 +98,13 @@ function RecordingCard(props: ShownRecordingProps & { recording: Recording }) {
           <ColumnBars counts={recording.hits_per_column} target={behaviour.target} />
         </div>
         <div className={styles.badges}>
-          <SourceBadge recording={recording} />
           <VerifiedBadge recording={recording} />
           <PaceBadge recording={recording} />
           <LatencyBadge recording={recording} />
         </div>
         <KeepOrDiscard recording={recording} />
         {recording.notes && <p className={styles.note}>{recording.notes}</p>}
+        <Actions recording={recording} behaviour={behaviour} name={name} />
       </div>
     </article>
   );
@@ -129,36 +125,50 @@ function Actions({
   const actions = useRecordingActions(recording.behaviour_id);
   if (recording.deleted) {
     return (
-      <IconButton
-        icon="undo"
-        label={t`Restore ${name}`}
-        onClick={() => actions.restore(recording)}
-      />
+      <div className={styles.actions}>
+        <Button
+          kind="quiet"
+          icon="undo"
+          aria-label={t`Restore ${name}`}
+          onClick={() => actions.restore(recording)}
+        >
+          <Trans>Restore</Trans>
+        </Button>
+      </div>
     );
   }
   return (
-    <>
-      <IconButton
-        icon="star"
-        label={recording.perfect ? t`Perfect. Remove the mark` : t`Mark as perfect`}
+    <div className={styles.actions}>
+      <Button
+        kind="quiet"
+        aria-label={
+          recording.perfect ? t`${name} is perfect. Remove the mark` : t`Mark ${name} as perfect`
+        }
         aria-pressed={recording.perfect}
-        filled={recording.perfect}
-        className={recording.perfect ? styles.starOn : undefined}
         onClick={() => {
           if (recording.perfect) actions.setPerfect(recording, false);
           else mark([recording], () => actions.setPerfect(recording, true));
         }}
-      />
-      <IconButton
+      >
+        <Icon name="star" filled={recording.perfect} />
+        <Trans>Perfect</Trans>
+      </Button>
+      <Button
+        kind="quiet"
         icon="note"
-        label={recording.notes ? t`Change the note` : t`Write a note`}
+        aria-label={recording.notes ? t`Change the note` : t`Write a note`}
         onClick={() => setWriting(true)}
-      />
-      <IconButton
+      >
+        <Trans>Note</Trans>
+      </Button>
+      <Button
+        kind="quiet"
         icon="trash"
-        label={t`Delete ${name}`}
+        aria-label={t`Delete ${name}`}
         onClick={() => actions.remove(recording)}
-      />
+      >
+        <Trans>Delete</Trans>
+      </Button>
       {question}
       {writing && (
         <NotesDialog
@@ -167,6 +177,6 @@ function Actions({
           onClose={() => setWriting(false)}
         />
       )}
-    </>
+    </div>
   );
 }

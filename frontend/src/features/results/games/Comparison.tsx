@@ -4,6 +4,7 @@ import { Trans } from "@lingui/react/macro";
 import type { Behaviour, ComparisonRow, Recording, RunResults } from "@/api/types";
 import { ItemGrid } from "@/components/game/ItemGrid";
 import { ActorMark } from "@/components/game/ActorMark";
+import { GamePicture, LOOPS } from "@/components/recording/GamePicture";
 import type { Watched } from "@/features/results/watched";
 import { useGame } from "@/games/game";
 import { describeEnd, describeResult } from "@/games/outcomes";
@@ -177,12 +178,20 @@ function GameCell({
   const title = `${name} ${from}`.trim();
   return (
     <>
-      <button type="button" className={styles.game} onClick={() => onWatch({ recording, title })}>
+      <button
+        type="button"
+        className={styles.game}
+        onClick={() => onWatch({ recording, title })}
+        {...LOOPS}
+      >
         <span className="visually-hidden">{t`Watch ${inSentence(title)}`}</span>
         <span className={best ? undefined : styles.only}>
           <ActorMark actor={actor}>{name}</ActorMark>
         </span>
-        <ItemGrid hits={takenCells(recording)} target={behaviour.target} scale={2} />
+        <span className={styles.pictures}>
+          <ItemGrid hits={takenCells(recording)} target={behaviour.target} scale={2} />
+          <GamePicture recording={recording} />
+        </span>
         <span className={styles.words}>
           <Outcome recording={recording} behaviour={behaviour} />
           <span>{describeEnd(recording.end, game)}</span>

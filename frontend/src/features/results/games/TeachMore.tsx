@@ -7,7 +7,7 @@ import { borrowedQuery } from "@/api/library";
 import type { Behaviour, Recording, RunResults, TaughtGame } from "@/api/types";
 import { Button, ButtonLink } from "@/components/controls/Button";
 import { ItemGrid } from "@/components/game/ItemGrid";
-import { RecordingScreen } from "@/components/recording/RecordingScreen";
+import { FilmStrip, LOOPS } from "@/components/recording/GamePicture";
 import { useBorrowing } from "@/components/recording/use-borrowing";
 import type { Watched } from "@/features/results/watched";
 import { useGame } from "@/games/game";
@@ -25,8 +25,6 @@ interface TeachMoreProps {
   behaviour: Behaviour;
   onWatch: (watched: Watched) => void;
 }
-
-const SCREEN = { width: 320, height: 210 } as const;
 
 interface Proposal {
   readonly recording: Recording;
@@ -130,14 +128,14 @@ function ProposedGame({
   const game = useGame();
   const result = describeResult(recording, behaviour, game);
   return (
-    <li className={styles.game}>
+    <li className={styles.game} {...LOOPS}>
       <button
         type="button"
         className={styles.watch}
         aria-label={t`Watch imitator, ${how}`}
         onClick={() => onWatch({ recording, title: t`Imitator, ${how}` })}
       >
-        <RecordingScreen recording={recording} playing={false} {...SCREEN} />
+        <FilmStrip recording={recording} />
       </button>
       <div className={styles.outcome}>
         <ItemGrid hits={takenCells(recording)} target={behaviour.target} label="" />

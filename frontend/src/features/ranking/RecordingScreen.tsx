@@ -5,6 +5,7 @@ import { useEffect, useRef, useState } from "react";
 import { framesQuery } from "@/api/recordings";
 import type { Recording } from "@/api/types";
 import { GameCanvas } from "@/components/game/GameCanvas";
+import { GamePicture } from "@/components/recording/GamePicture";
 import { useGame } from "@/games/game";
 import type { RecordedFrames } from "@/lib/game/codec";
 import { Playback } from "@/lib/game/playback";
@@ -15,30 +16,20 @@ import styles from "./RecordingScreen.module.css";
 
 interface RecordingScreenProps {
   recording: Recording;
-  /** Whether it plays in a loop; otherwise the thumbnail is shown. */
+  /** Whether it plays in a loop; otherwise a moment of it is shown. */
   playing: boolean;
   /** Available size in CSS pixels. */
   width: number;
   height: number;
 }
 
-/** The thumbnail of a recording, or the recording playing in a loop. */
+/** A moment of a recording, or the recording playing in a loop. */
 export function RecordingScreen({ recording, playing, width, height }: RecordingScreenProps) {
   const size = useScreenSize(width, height, useGame());
   const { data: frames } = useQuery({ ...framesQuery(recording), enabled: playing });
   return (
     <div className={styles.screen} style={{ width, height }}>
-      <img
-        className={styles.still}
-        src={recording.thumbnail_url}
-        alt=""
-        loading="lazy"
-        style={{
-          width: size.width,
-          height: size.height,
-          ...(size.reduced && { imageRendering: "auto" }),
-        }}
-      />
+      <GamePicture recording={recording} box={{ width, height }} />
       {playing && frames && (
         <div className={styles.stacked}>
           <Loop frames={frames} size={size} />
@@ -65,37 +56,16 @@ function Loop({ frames, size }: { frames: RecordedFrames; size: ScreenSize }) {
 /** Long enough that a pointer passing over starts nothing. */
 const HOVER_DELAY_MS = 150;
 
-/**
- * Whether an element is hovered or focused, and the handlers to spread on it.
- *
- * @param onStart Called when hover or focus begins.
- */
-export function useHover(onStart?: () => void): [boolean, Record<string, () => void>] {
-  const [hovered, setHovered] = useState(false);
+/** Returns handlers to spread on an element, for when it begins to be hovered or focused. */
+export function useHover(onStart: () => void): Record<string, () => void> {
   const timer = useRef<ReturnType<typeof setTimeout> | null>(null);
-  const later = (value: boolean) => {
+  const stop = () => {
     if (timer.current) clearTimeout(timer.current);
-    timer.current = setTimeout(
-      () => {
-        setHovered(value);
-        if (value) onStart?.();
-      },
-      value ? HOVER_DELAY_MS : 0,
-    );
   };
-  useEffect(
-    () => () => {
-      if (timer.current) clearTimeout(timer.current);
-    },
-    [],
-  );
-  return [
-    hovered,
-    {
-      onMouseEnter: () => later(true),
-      onMouseLeave: () => later(false),
-      onFocus: () => later(true),
-      onBlur: () => later(false),
-    },
-  ];
+  const start = () => {
+    stop();
+    timer.current = setTimeout(onStart, HOVER_DELAY_MS);
+  };
+  useEffect(() => stop, []);
+  return { onMouseEnter: start, onMouseLeave: stop, onFocus: start, onBlur: stop };
 }
