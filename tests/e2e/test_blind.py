@@ -60,6 +60,8 @@ def test_a_person_judges_pairs_without_knowing_whose_they_are(
         judge(page, 1, "ArrowLeft")
         judge(page, 2, page.get_by_role("button", name="Right is closer"))
         judge(page, 3, "=")
+        # What is pressed while an answer is being saved is not taken.
+        expect(page.get_by_text(f"Pair 4 of {N_PAIRS}")).to_be_visible()
         page.keyboard.press("Backspace")
         expect(page.get_by_text(f"Pair 3 of {N_PAIRS}")).to_be_visible()
         page.keyboard.press("Escape")
