@@ -1,12 +1,10 @@
-import { percent } from "@/lib/format";
-
 import styles from "./ShareBar.module.css";
 
 /** A share as the filled part of a bar, beside which its percentage stands. */
 export function ShareBar({ share }: { share: number }) {
   return (
     <span className={styles.bar} aria-hidden="true">
-      <span style={{ inlineSize: percent(share) }} />
+      <span style={{ inlineSize: `${100 * share}%` }} />
     </span>
   );
 }
