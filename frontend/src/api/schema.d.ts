@@ -264,7 +264,11 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        get?: never;
+        /**
+         * List Statement Answers
+         * @description Return what people said of statements, the latest last.
+         */
+        get: operations["list_statement_answers"];
         /**
          * Answer Statement
          * @description Answer a statement, or take an answer back; return the answers that count.
@@ -357,6 +361,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/behaviours/{behaviour_id}/ranking/things": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Things
+         * @description Return what a person may mean: of each kind of things, and of what is no thing.
+         */
+        get: operations["list_things"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/behaviours/{behaviour_id}/ranking/things/{kind}.png": {
         parameters: {
             query?: never;
@@ -369,6 +393,26 @@ export interface paths {
          * @description Return a picture of a thing that statements are about, by its kind.
          */
         get: operations["get_thing_picture"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/behaviours/{behaviour_id}/ranking/things/in-sight": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Things In Sight
+         * @description Return the things on the screen after a step of a recording, the largest first.
+         */
+        get: operations["list_things_in_sight"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1125,7 +1169,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/recordings/{recording_id}/thumbnail.png": {
+    "/api/recordings/{recording_id}/strip.webp": {
         parameters: {
             query?: never;
             header?: never;
@@ -1133,10 +1177,13 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Get Recording Thumbnail
-         * @description Return a picture of the moment after a recording's last hit, else of its last frame.
+         * Get Recording Strip
+         * @description Return a recording's film strip: the first frame, the last, and six between that differ.
+         *
+         *     They are row by row in two columns, of the size that the game's ``strip`` says. Below them are
+         *     the same, reduced, in four columns.
          */
-        get: operations["get_recording_thumbnail"];
+        get: operations["get_recording_strip"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1339,6 +1386,26 @@ export interface paths {
          *     Of a stage with more than 2,000 newer steps about as many are returned, evenly spaced.
          */
         get: operations["get_run_metrics"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/runs/{run_id}/page.{part}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Run Page
+         * @description Return a finished training as one page to send; making it takes some seconds.
+         */
+        get: operations["get_run_page"];
         put?: never;
         post?: never;
         delete?: never;
@@ -2306,6 +2373,16 @@ export interface components {
             verification: components["schemas"]["Verification"][];
         };
         /**
+         * Meaning
+         * @description What may be meant, e.g. "what you steer further to the left or right".
+         */
+        Meaning: {
+            /** Sentence */
+            sentence: string;
+            /** Subjects */
+            subjects: string[];
+        };
+        /**
          * Measure
          * @description What of a game is measured, and the bounds in which a behaviour wants it.
          *
@@ -2466,6 +2543,30 @@ export interface components {
             title: string;
         };
         /**
+         * NamedThing
+         * @description A kind of things on the game's screen, and what may be meant of it.
+         */
+        NamedThing: {
+            /** Kind */
+            kind: number;
+            /** Meanings */
+            meanings: components["schemas"]["Meaning"][];
+            /** Name */
+            name: string;
+            /** Picture */
+            picture: string | null;
+        };
+        /**
+         * NamedThings
+         * @description What may be meant: of things, what the player steers first, and of what is no thing.
+         */
+        NamedThings: {
+            /** Others */
+            others: components["schemas"]["Meaning"][];
+            /** Things */
+            things: components["schemas"]["NamedThing"][];
+        };
+        /**
          * NewInvitation
          * @description An invitation that was made; ``path``, its link on this server, is shown only now.
          */
@@ -2514,6 +2615,23 @@ export interface components {
             seen_at: string | null;
         };
         /**
+         * NextGame
+         * @description An unranked game that tells the first statement from another one.
+         *
+         *     ``other`` is the other's place among the statements, from 0. The shares are those of the ranked
+         *     games that it is better than by either.
+         */
+        NextGame: {
+            /** Better Than */
+            better_than: number;
+            /** Better Than By Other */
+            better_than_by_other: number;
+            /** Other */
+            other: number;
+            /** Recording Id */
+            recording_id: number;
+        };
+        /**
          * OpponentScore
          * @description How often the imitator's game was closer than an opponent's.
          *
@@ -2533,6 +2651,12 @@ export interface components {
             /** Wins */
             wins: number;
         };
+        /**
+         * PagePart
+         * @description A part of a page that is sent, by its ending.
+         * @enum {string}
+         */
+        PagePart: "html" | "png";
         /**
          * Per
          * @description What a rate of an action is relative to.
@@ -2858,7 +2982,7 @@ export interface components {
          * Recording
          * @description ``targets``, ``strays``, ``order_errors`` are None for behaviours without a target.
          *
-         *     ``frames_url`` and ``thumbnail_url`` carry a version, so that they may be cached for ever.
+         *     ``frames_url`` and ``strip_url`` carry a version, so that they may be cached for ever.
          *     ``latency`` is None if it was not measured. ``slowest_percent`` is the slowest speed of play,
          *     100 being 60 Hz, and ``single_steps`` the number of frames executed one at a time; both are None
          *     if unknown. ``parent`` is the recording that this one continues; ``begun_by`` tells the policy
@@ -2938,10 +3062,10 @@ export interface components {
             state: components["schemas"]["RecordingState"];
             /** Strays */
             strays: number | null;
+            /** Strip Url */
+            strip_url: string;
             /** Targets */
             targets: number | null;
-            /** Thumbnail Url */
-            thumbnail_url: string;
             verification: components["schemas"]["Verification"];
             /** Verification Note */
             verification_note: string;
@@ -3245,8 +3369,9 @@ export interface components {
          *     ``comparison`` has the starts of the headline figures, ``further_comparison`` the others.
          *     ``percentiles`` are the states of the ranked recordings at the percentiles 0, 1, ..., 100 of R;
          *     empty for runs of earlier versions. ``proposed`` are the recordings of the imitator's games that
-         *     are proposed for the ranking. ``training_games`` are those of its newest snapshot. ``blind`` is
-         *     the result of each person's latest blind comparison.
+         *     are proposed for the ranking. ``shown_game`` is the recording of the imitator's game that is
+         *     shown beside the best demonstration. ``training_games`` are those of its newest snapshot.
+         *     ``blind`` is the result of each person's latest blind comparison.
          */
         RunResults: {
             alarm: components["schemas"]["RewardAlarm"] | null;
@@ -3272,6 +3397,8 @@ export interface components {
             /** Proposed */
             proposed: number[];
             run: components["schemas"]["Run"];
+            /** Shown Game */
+            shown_game: number | null;
             /** Summaries */
             summaries: components["schemas"]["PolicyGamesSummary"][];
             training_games: components["schemas"]["TrainingGames"] | null;
@@ -3351,12 +3478,34 @@ export interface components {
             probe_path: string;
         };
         /**
+         * ShownMoment
+         * @description A few seconds of a recording.
+         *
+         *     Attributes:
+         *         recording_id: The recording.
+         *         first_frame: The frame that it begins with.
+         *         n_frames: Its length.
+         */
+        ShownMoment: {
+            /** First Frame */
+            first_frame: number;
+            /** N Frames */
+            n_frames: number;
+            /** Recording Id */
+            recording_id: number;
+        };
+        /**
          * ShownOrder
-         * @description An order that is shown, saved or not.
+         * @description An order that is shown, saved or not; ``with_next`` also asks which game to rank next.
          */
         ShownOrder: {
             /** Tiers */
             tiers: number[][];
+            /**
+             * With Next
+             * @default false
+             */
+            with_next: boolean;
         };
         /**
          * Source
@@ -3425,6 +3574,20 @@ export interface components {
             databases_bytes: number;
             /** Other Bytes */
             other_bytes: number;
+        };
+        /**
+         * Strip
+         * @description The sizes in pixels of the moments of a film strip, and of the reduced ones below them.
+         */
+        Strip: {
+            /** Height */
+            height: number;
+            /** Small Height */
+            small_height: number;
+            /** Small Width */
+            small_width: number;
+            /** Width */
+            width: number;
         };
         /**
          * System
@@ -3512,6 +3675,7 @@ export interface components {
             ready_made: components["schemas"]["ReadyMade"][];
             /** Saves States */
             saves_states: boolean;
+            strip: components["schemas"]["Strip"];
             /** Tallies */
             tallies: {
                 [key: string]: string;
@@ -3524,6 +3688,22 @@ export interface components {
             title: string;
             /** Waits */
             waits: boolean;
+            /** Width */
+            width: number;
+        };
+        /**
+         * ThingInSight
+         * @description A thing in a step of a recording: its kind, and its box in pixels of the game.
+         */
+        ThingInSight: {
+            /** Height */
+            height: number;
+            /** Kind */
+            kind: number;
+            /** Left */
+            left: number;
+            /** Top */
+            top: number;
             /** Width */
             width: number;
         };
@@ -3552,12 +3732,30 @@ export interface components {
          *     Attributes:
          *         sentence: E.g. "what you steer further to the left".
          *         probability: Probability of the statement, 0 to 1.
+         *         subjects: What it is about, in order, see tril.vocabulary.answers; empty in runs that
+         *             earlier versions made.
+         *         shown: A moment of a better game in which it holds most; None where nothing differs.
+         *         contrast: A moment of a worse game in which it holds least.
+         *         kinds: Kinds of things that it is about, by their indices in the game's vocabulary; empty
+         *             in runs of earlier versions.
          */
         ToldStatement: {
+            contrast: components["schemas"]["ShownMoment"] | null;
+            /**
+             * Kinds
+             * @default []
+             */
+            kinds: number[];
             /** Probability */
             probability: number;
             /** Sentence */
             sentence: string;
+            shown: components["schemas"]["ShownMoment"] | null;
+            /**
+             * Subjects
+             * @default []
+             */
+            subjects: string[];
         };
         /**
          * TrainingGames
@@ -3575,7 +3773,8 @@ export interface components {
          *
          *     ``progress`` is the share of what is done while it is learning to see the game or watching the
          *     ranked ones. ``is_sense`` is false if shuffled orders of the games are explained as well.
-         *     ``values`` are those of the games by recording id, in log odds.
+         *     ``values`` are those of the games by recording id, in log odds. ``next_game`` is null unless it
+         *     is asked for, and where no game tells statements apart.
          */
         Understanding: {
             /** Answers */
@@ -3583,6 +3782,7 @@ export interface components {
             contradiction: components["schemas"]["ContradictingGames"] | null;
             /** Is Sense */
             is_sense: boolean | null;
+            next_game: components["schemas"]["NextGame"] | null;
             /** Progress */
             progress: number;
             state: components["schemas"]["State"];
@@ -3595,18 +3795,26 @@ export interface components {
         };
         /**
          * UnderstoodStatement
-         * @description A statement that fits an order, e.g. "what you steer further to the left".
-         *
-         *     ``subjects`` names what it is about; ``pictures`` are those of the things, where there are any.
+         * @description A statement that fits an order; ``pictures`` are those of its things, if there are any.
          */
         UnderstoodStatement: {
+            contrast: components["schemas"]["ShownMoment"] | null;
+            /**
+             * Kinds
+             * @default []
+             */
+            kinds: number[];
             /** Pictures */
             pictures: string[];
             /** Probability */
             probability: number;
             /** Sentence */
             sentence: string;
-            /** Subjects */
+            shown: components["schemas"]["ShownMoment"] | null;
+            /**
+             * Subjects
+             * @default []
+             */
             subjects: string[];
         };
         /**
@@ -5098,6 +5306,91 @@ export interface operations {
             };
         };
     };
+    list_statement_answers: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                behaviour_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StatementAnswer"][];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     answer_statement: {
         parameters: {
             query?: never;
@@ -5553,6 +5846,91 @@ export interface operations {
             };
         };
     };
+    list_things: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                behaviour_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NamedThings"];
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     get_thing_picture: {
         parameters: {
             query?: {
@@ -5575,6 +5953,94 @@ export interface operations {
                 };
                 content: {
                     "image/png": unknown;
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_things_in_sight: {
+        parameters: {
+            query: {
+                recording_id: number;
+                step: number;
+            };
+            header?: never;
+            path: {
+                behaviour_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ThingInSight"][];
                 };
             };
             /** @description The request can't be read. */
@@ -9217,7 +9683,7 @@ export interface operations {
             };
         };
     };
-    get_recording_thumbnail: {
+    get_recording_strip: {
         parameters: {
             query?: {
                 /** @description Makes the answer cacheable. */
@@ -9237,7 +9703,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "image/png": unknown;
+                    "image/webp": unknown;
                 };
             };
             /** @description The request can't be read. */
@@ -10359,6 +10825,102 @@ export interface operations {
             };
             /** @description It does not exist. */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too large. */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description What was given can't be accepted. */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A part of Tril is not running or out of room. */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_run_page: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                part: components["schemas"]["PagePart"];
+                run_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page that needs no server, or its poster. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/png": unknown;
+                    "text/html; charset=utf-8": unknown;
+                };
+            };
+            /** @description The request can't be read. */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Open the address that Tril printed first. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description You may not do this, or it comes from another site. */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description It does not exist. */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The current state does not allow it. */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };

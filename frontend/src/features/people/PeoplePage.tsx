@@ -34,9 +34,9 @@ export function PeoplePage() {
         </h2>
         <p className={styles.hint}>
           <Trans>
-            Whoever opens a link gives a name and is let in. Players play one behaviour and see only
-            their own games. Revoking a link keeps others from using it; anyone who has used it
-            stays signed in until you sign them out.
+            Anyone with the link joins by giving a name. Players play one behaviour and see only
+            their own games. Revoking a link stops newcomers; those who joined stay until you sign
+            them out.
           </Trans>
         </p>
         <Invitations />

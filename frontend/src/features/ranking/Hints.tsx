@@ -50,7 +50,7 @@ function hintsFor(
       : {
           id: "tiers",
           done: false,
-          text: t`At least two tiers are needed: nothing can be learned from ties alone.`,
+          text: t`Make at least two tiers: ties alone teach nothing.`,
         },
     nPerfect >= GOOD_NUMBER_PERFECT
       ? { id: "perfect", done: true, text: t`${nPerfect} marked as perfect` }
@@ -60,13 +60,13 @@ function hintsFor(
           optional: true,
           text: [
             plural(nPerfect, {
-              0: "None is marked as perfect: the best ranked ones stand in.",
-              one: "# is marked as perfect.",
-              other: "# are marked as perfect.",
+              0: "No game has a star yet.",
+              one: "# game has a star.",
+              other: "# games have a star.",
             }),
             isReadByStatements(behaviour)
-              ? t`Mark at least three of your best games with their star: the agent begins by copying them.`
-              : t`Mark at least three of your best games with their star: training learns most from what they hit.`,
+              ? t`Star at least three of your best: the agent begins by copying them.`
+              : t`Star at least three of your best: training learns most from what they hit.`,
           ].join(" "),
         },
     nRanked >= (isReadByStatements(behaviour) ? GOOD_NUMBER_FOR_STATEMENTS : GOOD_NUMBER)

@@ -154,9 +154,8 @@ function sectionsOf({ run, results, behaviour, onWatch }: SectionsProps): readon
             <Notice tone="calm">
               <p>
                 <Trans>
-                  The imitator of GAIL did not learn from this reward: its own discriminator
-                  compares play with the perfect games. The reward and its check are shown to
-                  compare with.
+                  GAIL&rsquo;s imitator learned from its own discriminator, not from this reward,
+                  which is shown for comparison.
                 </Trans>
               </p>
             </Notice>

@@ -33,9 +33,9 @@ export function Readiness({ behaviour, missing, example }: ReadinessProps) {
           {nBorrowed > 0 && <Trans>, {nBorrowed} of them borrowed</Trans>}.{" "}
           <Plural
             value={behaviour.n_perfect}
-            _0="None is marked as perfect: the clone copies the best ranked ones."
-            one="The clone copies the one that is marked as perfect."
-            other="The clone copies the # that are marked as perfect."
+            _0="No game has a star: the clone copies the best ranked ones."
+            one="The clone copies the one with a star."
+            other="The clone copies the # with a star."
           />{" "}
           <Link to={rank}>
             <Trans>Look at the ranking</Trans>

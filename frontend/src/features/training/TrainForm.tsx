@@ -195,8 +195,8 @@ function TooShort({ recipe, behaviour }: { recipe: Recipe; behaviour: Behaviour 
     <Notice live>
       <p>
         <Trans>
-          This is too short to learn anything: in the first {whole(recipe.warm_up_steps)} steps only
-          the critic learns, and the imitator plays as it began. The recipe proposes{" "}
+          Too short: for the first {whole(recipe.warm_up_steps)} steps only the critic learns, and
+          the imitator plays as it began. The recipe proposes{" "}
           {whole(proposedSteps(recipe, behaviour))}.
         </Trans>
       </p>

@@ -57,32 +57,30 @@ export function WantedAliens({ title, inferred, behaviour, scale, children }: Wa
       <div className={styles.words}>
         <h3>{title}</h3>
         <p>
-          <Trans>The coloured aliens are to be hit, the grey ones to be left alone.</Trans>
+          <Trans>Hit the coloured aliens, spare the grey ones.</Trans>
         </p>
         {sure(missed).length > 0 && (
           <p>
             {plural(sure(missed).length, {
-              one: "# target (outlined) is grey: hit it in a game that you rank first or mark as perfect.",
-              other:
-                "# targets (outlined) are grey: hit them in a game that you rank first or mark as perfect.",
+              one: "# target (outlined) is not learned yet: hit it in your best games.",
+              other: "# targets (outlined) are not learned yet: hit them in your best games.",
             })}
           </p>
         )}
         {sure(strange).length > 0 && (
           <p>
             {plural(sure(strange).length, {
-              one: "# coloured alien is not a target: rank a game that hits it below one that spares it.",
-              other:
-                "# coloured aliens are not targets: rank games that hit them below ones that spare them.",
+              one: "# other alien seems wanted: rank games that hit it lower.",
+              other: "# other aliens seem wanted: rank games that hit them lower.",
             })}
           </p>
         )}
         {unsure.length > 0 && (
           <p>
             {plural(unsure.length, {
-              one: "Not sure about # alien (dashed frame): rank games that hit it, and games that could have hit it but did not.",
+              one: "Unsure about # alien (dashed): rank games that hit it and games that spare it.",
               other:
-                "Not sure about # aliens (dashed frames): rank games that hit them, and games that could have hit them but did not.",
+                "Unsure about # aliens (dashed): rank games that hit them and games that spare them.",
             })}
           </p>
         )}

@@ -519,9 +519,7 @@ describe("the results", () => {
     );
     expect(check.getByText("0.92")).toBeVisible();
     expect(check.getByText("98.4%")).toBeVisible();
-    expect(
-      screen.getByText(/is never ranked above the worse tier 2 .*: 0 of 1 comparison in order/),
-    ).toBeVisible();
+    expect(screen.getByText(/^Recording 12 above Recording 11: right in 0 of 1/)).toBeVisible();
   });
 
   it("warn of a reward that does not follow the ranking everywhere", async () => {

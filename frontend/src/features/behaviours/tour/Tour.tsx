@@ -12,11 +12,11 @@ const steps = () =>
   [
     {
       title: t`Play`,
-      text: t`Choose a behaviour and play it: its keys are listed beside the game. Play some games badly on purpose, since what is worse teaches as much as what is better.`,
+      text: t`Choose a behaviour and play; the keys are beside the game. Play some games badly on purpose: they teach as much as the good ones.`,
     },
     {
       title: t`Keep`,
-      text: t`After a game, keep it or discard it. Give a star to games that went perfectly: the clone copies them, and the reward learns from them, too.`,
+      text: t`Keep each game or discard it. Star the perfect ones: the clone copies them, and the reward learns from them.`,
     },
     {
       title: t`Rank`,
@@ -28,7 +28,7 @@ const steps = () =>
     },
     {
       title: t`Look`,
-      text: t`The run’s page says what the agent has learned, beside the clone and your own games: watch it, take over from it, and rank its games to teach it more.`,
+      text: t`See what the agent learned, beside the clone and your own games. Watch it, take over, or rank its games to teach it more.`,
     },
   ] as const;
 

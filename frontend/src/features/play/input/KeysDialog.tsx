@@ -77,10 +77,8 @@ export function KeysDialog({ onClose }: { onClose: () => void }) {
       </ul>
       <p className={styles.tip}>
         <Trans>
-          They hold for every game with the same buttons. Opposite directions together cancel out.
-          Ctrl, Alt, ⌘ and Tab can’t be chosen. A gamepad in the standard layout works too: stick or
-          D-pad to move, any face button to fire, the shoulder buttons to rewind, Start to begin,
-          pause and play again.
+          Every game with these buttons uses them. A gamepad works, too: stick or D-pad to move, a
+          face button to fire, a shoulder button to rewind, Start to begin, pause and play again.
         </Trans>
       </p>
       <div>

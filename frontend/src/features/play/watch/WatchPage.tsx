@@ -133,10 +133,8 @@ export function WatchPage({ run, behaviour }: { run: Run; behaviour: Behaviour }
       )}
       <p className={styles.hint}>
         <Trans>
-          All games begin at the same start and keep in step. A step is one decision of a policy.
-          Sampled and sticky games differ after a restart; at first they are those of the
-          run&rsquo;s evaluation. What you only watch is not kept. If you take over, the game goes
-          on after a countdown with the keys you hold, and the whole of it becomes your recording.
+          All games begin at the same start and run in step. Nothing is kept unless you take over:
+          the game then continues with your keys, and the whole of it becomes your recording.
         </Trans>
       </p>
     </div>

@@ -46,13 +46,13 @@ export function Opinion({ opinion, tier, kept, current, onMove, onKeep }: Opinio
           <p>
             {opinion.tier < tier ? (
               <Trans>
-                The other games suggest that it is better: about tier {opinion.tier}. Judging by
-                what it hits, it is no worse than {listed(others)}.
+                By what it hits it belongs higher, about tier {opinion.tier}. It is no worse than{" "}
+                {listed(others)}.
               </Trans>
             ) : (
               <Trans>
-                The other games suggest that it is worse: about tier {opinion.tier}. Judging by what
-                it hits, it is no better than {listed(others)}.
+                By what it hits it belongs lower, about tier {opinion.tier}. It is no better than{" "}
+                {listed(others)}.
               </Trans>
             )}
           </p>

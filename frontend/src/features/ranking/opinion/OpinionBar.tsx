@@ -38,9 +38,8 @@ export function OpinionBar({ behaviour, opinions, shown, onShow }: OpinionBarPro
         >
           <p>
             <Trans>
-              The bar beside a game runs from best to worst. Its mark shows where the other games
-              suggest that it belongs, judging by what it hits. A wide band means that this is not
-              sure.
+              The mark on a game&rsquo;s bar, from best to worst, shows where the other games would
+              place it by what it hits. A wide band: unsure.
             </Trans>
           </p>
         </Wanted>

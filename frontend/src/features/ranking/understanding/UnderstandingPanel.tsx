@@ -146,8 +146,8 @@ function Situation({ told, error }: { told: Understanding | undefined; error: un
       return (
         <p>
           <Trans>
-            Tril could not learn to see this game; the server&rsquo;s log says why. It tries again
-            when the server is started again. You can rank and train all the same.
+            Tril could not look at this game; the server&rsquo;s log says why. It tries again when
+            the server starts. You can still rank and train.
           </Trans>
         </p>
       );
@@ -189,8 +189,8 @@ function Doubt({ told: { is_sense: isSense, contradiction } }: { told: Understan
         {!isSense && (
           <p>
             <Trans>
-              Shuffled orders of these games are explained as well, so this may be chance. A few
-              more games that differ in what you mean tell more. You can train all the same.
+              Shuffled orders of these games fit as well, so this may be chance. Rank a few more
+              games that differ in what you mean, or train anyway.
             </Trans>
           </p>
         )}

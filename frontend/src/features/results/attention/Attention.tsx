@@ -40,9 +40,8 @@ export function Attention({ results, onWatch }: AttentionProps) {
     <>
       <p className={styles.note}>
         <Trans>
-          R is the learned reward at a moment. One patch of the screen is covered at a time; the
-          more R changes, the brighter (or redder) the patch. Shown for four moments of the ranked
-          recordings, from the lowest R to the highest.
+          The more the learned reward R changes when a patch of the screen is covered, the brighter
+          (or redder) the patch. Four moments of the ranked games, from the lowest R to the highest.
         </Trans>
         {results.attention.some((map) => map.faithfulness) && (
           <>
@@ -105,12 +104,12 @@ function FaithfulnessFacts({ map, random }: Faithfulness) {
     <>
       <span>
         <Trans>
-          Hiding the brightest fifth of the pixels changes R by {brightest} of its range; hiding as
-          many random ones by {anyFifth}.
+          Hide the brightest fifth of the pixels, and R changes by {brightest} of its range; hide a
+          random fifth, and it changes by {anyFifth}.
         </Trans>
       </span>
       <span
-        title={t`Mean change of R while pixels are hidden, or put into an empty screen, the brightest first, where 1 is the range of R: from how demonstrations begin to how the best ones end. In brackets: in a random order. A faithful map has a larger deletion and a smaller insertion.`}
+        title={t`How far R is off while pixels are hidden (deletion) or filled into an empty screen (insertion), brightest first, as a share of its range; in brackets, in random order. A faithful map has a larger deletion and a smaller insertion.`}
       >
         <Trans>
           Deletion {deletion} ({randomDeletion}), insertion {insertion} ({randomInsertion})

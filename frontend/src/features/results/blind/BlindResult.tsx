@@ -4,8 +4,8 @@ import { Link } from "react-router";
 
 import type { FinishedBlindRound, Recording, RevealedPair } from "@/api/types";
 import { ActorMark } from "@/components/game/ActorMark";
-import { useGame } from "@/games/game";
 import { type Actor, actorNames } from "@/lib/actors";
+import { GamePicture, LOOPS } from "@/components/recording/GamePicture";
 import { classes } from "@/lib/classes";
 
 import styles from "./BlindResult.module.css";
@@ -69,18 +69,13 @@ interface GameProps {
 }
 
 function Game({ actor, recording, runId, verdict }: GameProps) {
-  const { width, height, pixel_aspect: aspect } = useGame();
   return (
     <Link
       to={`/recordings/${recording.id}?run=${runId}`}
       className={classes(styles.game, verdict !== null && styles.chosen)}
+      {...LOOPS}
     >
-      <img
-        src={recording.thumbnail_url}
-        alt=""
-        loading="lazy"
-        style={{ aspectRatio: (width * aspect) / height }}
-      />
+      <GamePicture recording={recording} />
       <span>
         <ActorMark actor={actor}>{actorNames()[actor]}</ActorMark>
         {verdict !== null && <b>{verdict}</b>}

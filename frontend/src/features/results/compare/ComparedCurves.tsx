@@ -68,9 +68,8 @@ export function ComparedCurves({ groups }: { groups: readonly SeedGroup[] }) {
         <div className={styles.section}>
           <p className={styles.note}>
             <Trans>
-              Runs that differ only in their training seed are drawn as one line: their mean, up to
-              the last step that all of them have reached, in a band from the lowest to the highest
-              value. {chartHint()}
+              Runs that differ only in their training seed are one line, their mean, in a band from
+              lowest to highest. {chartHint()}
             </Trans>
           </p>
           <div>

@@ -21,7 +21,7 @@ const otherSelections = () =>
     {
       selection: "sticky",
       title: t`With sticky actions`,
-      note: t`Each policy takes its most probable action, but at every frame the last frame’s action is repeated with a probability of 25%: a test of whether it recovers.`,
+      note: t`At every frame, the last action is repeated with probability 25%: a test of whether the policy recovers.`,
       label: t`Imitator and clone, with sticky actions`,
     },
   ] as const;
@@ -48,10 +48,9 @@ export function PolicyResults({
       <SummaryTable {...greedy} behaviour={behaviour} label={t`Imitator and clone`} />
       <p className={styles.note}>
         <Trans>
-          Means of <Plural value={n} one="# game" other="# games" /> from starts that no training or
-          demonstration game began from. Each comes with the range in which it probably lies (95%
-          bootstrap interval). The predicted return is the learned reward of a whole game. Each
-          policy takes its most probable action.
+          Means of <Plural value={n} one="# game" other="# games" /> from starts that no training
+          has seen, with 95% bootstrap intervals. The predicted return is the learned reward of a
+          whole game.
         </Trans>
       </p>
       <MeasureTable rows={results.measures} />

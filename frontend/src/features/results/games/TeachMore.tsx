@@ -62,10 +62,10 @@ function isFlawless({ recording }: Proposal, behaviour: Behaviour, game: TaughtG
 
 function advice(areFlawless: boolean, active: boolean): string {
   if (areFlawless)
-    return t`All of these games of the imitator are flawless: they hit every target and no strays, and survive. They hardly teach it anything; you can rank them all the same.`;
+    return t`These games of the imitator are flawless, so ranking them teaches it little.`;
   return active
-    ? t`These games of the imitator differ most among those that it plays from time to time. Rank them among the others, the good ones high and the bad ones low, and go on with the new order: the reward is learned anew, and PPO goes on from the imitator as it is.`
-    : t`These games of the imitator differ most. Rank them among the others, the good ones high and the bad ones low, and train again: the reward learns what it has not understood. A run that learns from a game leaves the game’s start out of its averages.`;
+    ? t`These games of the imitator differ most. Rank them among yours and continue: the reward is learned again, and the imitator trains on from where it is.`
+    : t`These games of the imitator differ most. Rank them among yours and train again: the reward learns what it missed.`;
 }
 
 /** Proposes games of the imitator for the ranking, and to train the imitator further. */

@@ -23,9 +23,9 @@ export function Extrapolation({ judged }: { judged: readonly JudgedGames[] }) {
     <>
       <p className={styles.verdict}>
         <Trans>
-          A game is worth its targets hit, less strays. Filled marks are the recordings that the
-          reward was learned from, hollow ones the games of imitator and clone, which it has never
-          seen. Where the reward is right, the marks rise from left to right.
+          A game is worth its targets minus its strays. The reward learned from the filled marks and
+          has never seen the hollow ones, the games of imitator and clone. If it is right, the marks
+          rise from left to right.
         </Trans>
         {shown && (
           <>

@@ -1,4 +1,4 @@
-import { plural, t } from "@lingui/core/macro";
+import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 
 import type { Behaviour, ConfusedTiers, RankingCheck } from "@/api/types";
@@ -44,8 +44,8 @@ export function RewardCheck({ check, message, behaviour, onWatch }: RewardCheckP
       {measure === "final_level" && (
         <p className={styles.verdict}>
           <Trans>
-            The final level is what the reward reached at the end of a game: 0 as at the beginning,
-            1 as at the end of the best games.
+            The final level is the reward at the end of a game: 0 as at its beginning, 1 as in the
+            best games.
           </Trans>
         </p>
       )}
@@ -60,7 +60,7 @@ export function RewardCheck({ check, message, behaviour, onWatch }: RewardCheckP
 function verdictOf({ passed, advice, confused }: RankingCheck): string {
   if (!passed) return advice;
   return confused.length > 0
-    ? t`The learned reward mostly orders the recordings as they are ranked; the exceptions are listed below.`
+    ? t`The learned reward agrees with most of the order. It differs here:`
     : t`The learned reward orders the recordings as they are ranked.`;
 }
 
@@ -104,8 +104,8 @@ function Confused({ confused }: { confused: RankingCheck["confused"] }) {
       </h3>
       <p>
         <Trans>
-          Where the difference matters, rank more recordings that show it; where it doesn&rsquo;t,
-          merge the tiers.
+          If the difference matters, rank more games that show it; if it doesn&rsquo;t, merge the
+          tiers.
         </Trans>
       </p>
       <ConfusedList confused={sorted.slice(0, SHOWN)} />
@@ -124,49 +124,31 @@ function Confused({ confused }: { confused: RankingCheck["confused"] }) {
 function ConfusedList({ confused }: { confused: RankingCheck["confused"] }) {
   return (
     <ul>
-      {confused.map((one) => (
-        <li key={`${one.better_tier}-${one.worse_tier}-${String(one.held_out)}`}>
-          <ConfusedTier confused={one} />
-          {counted(one)}.
+      {confused.map((tiers) => (
+        <li key={`${tiers.better_tier}-${tiers.worse_tier}-${String(tiers.held_out)}`}>
+          {describeConfused(tiers)}
         </li>
       ))}
     </ul>
   );
 }
 
-function ConfusedTier({ confused }: { confused: ConfusedTiers }) {
-  const { better_tier: better, worse_tier: worse } = confused;
-  const [betterNames, worseNames] = [names(confused.better), names(confused.worse)];
-  if (confused.n_right === 0) {
-    return confused.held_out ? (
-      <Trans>
-        Tier {better} ({betterNames}) is never ranked above the worse tier {worse} ({worseNames})
-        when one of their recordings is held out
-      </Trans>
-    ) : (
-      <Trans>
-        Tier {better} ({betterNames}) is never ranked above the worse tier {worse} ({worseNames})
-      </Trans>
-    );
-  }
-  return confused.held_out ? (
-    <Trans>
-      Tier {better} ({betterNames}) isn&rsquo;t always ranked above the worse tier {worse} (
-      {worseNames}) when one of their recordings is held out
-    </Trans>
-  ) : (
-    <Trans>
-      Tier {better} ({betterNames}) isn&rsquo;t always ranked above the worse tier {worse} (
-      {worseNames})
-    </Trans>
-  );
-}
-
-/** Empty for runs of earlier versions, which did not count. */
-function counted({ n_right: right, n_compared: all }: ConfusedTiers): string {
-  return right === null || all === null
-    ? ""
-    : `: ${t`${right} of ${plural(all, { one: "# comparison", other: "# comparisons" })} in order`}`;
+/** Says which games the reward mixes up; runs of earlier versions did not count how often. */
+function describeConfused({
+  better,
+  worse,
+  held_out: heldOut,
+  n_right: right,
+  n_compared: all,
+}: ConfusedTiers): string {
+  const [above, below] = [names(better), names(worse)];
+  if (right === null || all === null)
+    return heldOut
+      ? t`${above} above ${below}: not so without one of them in the training.`
+      : t`${above} above ${below}: not so to the reward.`;
+  return heldOut
+    ? t`${above} above ${below}: right in ${right} of ${all}, without one of them in the training.`
+    : t`${above} above ${below}: right in ${right} of ${all}.`;
 }
 
 function names(ids: readonly number[]): string {
