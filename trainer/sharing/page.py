@@ -200,7 +200,7 @@ def make_share_page(
         html = _page(contents, films, levels, plan, parts).encode()
         if len(html) <= MAX_BYTES:
             stills = [
-                (NAMES["imitator"] if game is contents.imitator else NAMES[game.actor], film.still)
+                (NAMES[game.actor], film.still)
                 for game in replaying
                 if (film := films.film(game, 1)) is not None
             ]
