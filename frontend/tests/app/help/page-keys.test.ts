@@ -32,7 +32,7 @@ describe("the keys of a page", () => {
     ["/recordings/3", ["Watching a recording", "Everywhere"]],
     ["/runs/abc/watch", ["Watching a policy play", "Everywhere"]],
     ["/runs/compare", ["On a chart", "Everywhere"]],
-    ["/runs/abc", ["On a chart", "Watching a recording", "Everywhere"]],
+    ["/runs/abc", ["On a chart", "Comparing blind", "Watching a recording", "Everywhere"]],
   ])("at %s are those of %j", (path, expected) => expect(titles(path)).toEqual(expected));
 
   it("of the game are the player's own", () => {

@@ -136,13 +136,13 @@ describe("a library of many recordings", () => {
     expect(await within(tray).findByLabelText("Select Recording 300")).toBeVisible();
     await waitFor(() => expect(board()).toEqual([["1"], ["2"]]));
     await unfoldNeeds();
-    expect(screen.getByText(/^2 are marked as perfect/)).toBeVisible();
+    expect(screen.getByText(/^2 games have a star/)).toBeVisible();
     expect(screen.queryByRole("button", { name: "Place by comparing" })).toBeNull();
     resolve();
     await screen.findByRole("button", { name: "Place by comparing" });
     expect(screen.getByRole("region", { name: "Unranked, 298 recordings" })).toBeVisible();
     expect(board()).toEqual([["1"], ["2"]]);
-    expect(screen.getByText(/^2 are marked as perfect/)).toBeVisible();
+    expect(screen.getByText(/^2 games have a star/)).toBeVisible();
   });
 
   it("waits for all of them before it compares", async () => {
@@ -549,7 +549,7 @@ describe("what the other games suggest", () => {
     expect(card(4).getByText("Probably tier 2")).toBeVisible();
     expect(card(2).queryByText(/suggest/)).toBeNull();
     await userEvent.click(screen.getByText("How to read this"));
-    expect(screen.getByText(/A wide band means that this is not sure/)).toBeVisible();
+    expect(screen.getByText(/A wide band: unsure/)).toBeVisible();
   });
 
   it("names a contradiction and moves the game where they suggest", async () => {
@@ -557,7 +557,7 @@ describe("what the other games suggest", () => {
     const server = await open({ tiers: [[1], [2], [3]] }, () => ({ games }));
     expect(
       await screen.findByText(
-        "The other games suggest that it is better: about tier 1. Judging by what it hits, it is " +
+        "By what it hits it belongs higher, about tier 1. It is " +
           "no worse than Recording 1 and Recording 2.",
       ),
     ).toBeVisible();
@@ -567,7 +567,7 @@ describe("what the other games suggest", () => {
     expect(board()).toEqual([["1", "3"], ["2"]]);
     expect(screen.getByText("Recording 3: tier 1 of 2, tied with 1.")).toBeInTheDocument();
     await waitFor(() => expect(server.now().tiers).toEqual([[1, 3], [2]]));
-    await waitFor(() => expect(screen.queryByText(/The other games suggest that/)).toBeNull());
+    await waitFor(() => expect(screen.queryByText(/By what it hits it belongs/)).toBeNull());
   });
 
   it("moves nothing by tiers of another order", async () => {
@@ -600,7 +600,7 @@ describe("what the other games suggest", () => {
     await open({ tiers: [[1], [2], [3]] });
     const wanted = within(await screen.findByRole("region", { name: "What this order asks for" }));
     expect(wanted.getByRole("img")).toHaveAccessibleName(/^To be hit: row 1, column 2/);
-    expect(wanted.getByText(/Not sure about 1 alien/)).toBeVisible();
+    expect(wanted.getByText(/Unsure about 1 alien/)).toBeVisible();
     await userEvent.click(
       screen.getByRole("checkbox", { name: "Show what the other games suggest" }),
     );
@@ -665,7 +665,7 @@ describe("what training needs", () => {
   it("is listed while it is missing", async () => {
     await open({ tiers: [[1, 2]] });
     const hints = within(screen.getByRole("region", { name: "What training needs" }));
-    expect(hints.getByText(/At least two tiers are needed/)).toBeVisible();
+    expect(hints.getByText(/Make at least two tiers/)).toBeVisible();
     expect(hints.queryByRole("link", { name: "Continue to Train" })).toBeNull();
     await press("Own tier: Recording 2");
     expect(hints.getByText("1 comparison to learn from")).not.toBeVisible();
@@ -686,8 +686,8 @@ describe("what training needs", () => {
   });
 
   it.each([
-    [0, /^1 is marked as perfect\. Mark at least three/],
-    [1, /^2 are marked as perfect\. Mark at least three/],
+    [0, /^1 game has a star\. Star at least three/],
+    [1, /^2 games have a star\. Star at least three/],
   ])("asks for more stars where there is one and %i more", async (nMore, text) => {
     const games = Array.from({ length: 4 }, (_, at) =>
       recording({ id: 10 + at, perfect: at < nMore }),

@@ -128,7 +128,7 @@ describe("what is understood of an order", () => {
 
   it.each([
     ["waiting", /Rank four games in at least two tiers/],
-    ["failed", /could not learn to see this game/],
+    ["failed", /could not look at this game/],
     ["ready", /Take one of your answers back/],
   ] as const)("says what to do where nothing is said: %s", async (state, text) => {
     open(() => ({ state, statements: [], is_sense: null }));
