@@ -108,7 +108,7 @@ class ShownOrder(Schema):
     """An order that is shown, saved or not; ``with_next`` also asks which game to rank next."""
 
     tiers: Tiers
-    with_next: bool = False
+    with_next: StrictBool = False
 
 
 class UnderstoodStatement(ToldStatement):

@@ -154,7 +154,7 @@ def test_two_people_judge_the_same_pairs_and_see_only_their_own_answers(
     mine = give(client, path, 1, 2, "ended").json()["finished"][0]
     theirs = other.get(path).json()
     assert (theirs["round"], theirs["answers"], theirs["finished"]) == (1, [], [])
-    names = [str(game["thumbnail_url"]) for pair in mine["pairs"] for game in (pair["imitator"],)]
+    names = [str(game["strip_url"]) for pair in mine["pairs"] for game in (pair["imitator"],)]
     assert not any(name in json.dumps(theirs) for name in names)
     judge(other, path, 1, "equal", "equal", "equal")
     (told,) = give(other, path, 1, 3, "ended").json()["finished"]
