@@ -60,13 +60,18 @@ class ArchiveMaker:
         self._timeout_s = timeout_s
         self._turns = Turns("archives", MAX_WAITING)
 
-    def archive(self, run: RunRow, behaviour: BehaviourRow) -> bytes:
+    def archive(self, run: RunRow, behaviour: BehaviourRow, n_answers: int) -> bytes:
         """Return a finished run's archive.
+
+        Args:
+            run: The run.
+            behaviour: Its behaviour.
+            n_answers: Number of answers in its blind comparisons, which are only ever added.
 
         Raises:
             Unavailable: Too many requests wait, or this one failed or took too long.
         """
-        words = (run.name, run.notes, behaviour.name, behaviour.description)
+        words = (run.name, run.notes, behaviour.name, behaviour.description, n_answers)
         name = f"{_digest(run, *words)}.run.zip"
 
         def make(folder: Path) -> bytes:
@@ -76,15 +81,21 @@ class ArchiveMaker:
 
         return self._cache.get(name, lambda: self._made(make))
 
-    def page(self, run: RunRow, behaviour: BehaviourRow, part: PagePart) -> bytes:
+    def page(self, run: RunRow, behaviour: BehaviourRow, n_answers: int, part: PagePart) -> bytes:
         """Return a finished run as a page that needs no server, or the page's poster.
+
+        Args:
+            run: The run.
+            behaviour: Its behaviour.
+            n_answers: Number of answers in its blind comparisons, which are only ever added.
+            part: The page or its poster.
 
         Raises:
             Unavailable: Too many requests wait, or this one failed or took too long.
         """
         pictures = pictures_path(self._data, game_of(as_behaviour(behaviour)))
         words = (run.name, behaviour.name, behaviour.description)
-        what = (behaviour.measures, behaviour.target, pictures.exists())
+        what = (behaviour.measures, behaviour.target, pictures.exists(), n_answers)
         name = f"{_digest(run, *words, *what)}.page.zip"
 
         def make(folder: Path) -> bytes:

@@ -13,7 +13,7 @@ from server.web.problems import CONFLICT, NOT_FOUND
 from tril.store import audit, behaviours
 from tril.store.access.credentials import Identity
 from tril.store.models import BehaviourRow, RunRow
-from tril.store.training import artifacts, runs
+from tril.store.training import artifacts, blind_answers, runs
 
 router = APIRouter(prefix="/artifacts", tags=["artifacts"])
 archive_router = APIRouter(tags=["artifacts"])
@@ -77,7 +77,7 @@ def get_run_page(request: Request, identity: Who, run_id: RunId, part: PagePart)
         run_id,
         part,
         _PAGE_TYPES[part],
-        lambda run, behaviour: archives.page(run, behaviour, part),
+        lambda run, behaviour, n_answers: archives.page(run, behaviour, n_answers, part),
     )
 
 
@@ -87,14 +87,15 @@ def _taken_away(
     run_id: RunId,
     ending: str,
     media_type: str,
-    make: Callable[[RunRow, BehaviourRow], bytes],
+    make: Callable[[RunRow, BehaviourRow, int], bytes],
 ) -> Response:
     """Return a file of a finished training, and note who took it."""
     database = services_of(request).database
     with database.reading() as session:
         run = runs.get_done(session, str(run_id))
         behaviour = behaviours.get(session, run.behaviour_id)
-    content = make(run, behaviour)
+        n_answers = len(blind_answers.rows_of(session, run.id))
+    content = make(run, behaviour, n_answers)
     with database.writing() as session:
         audit.note(session, audit.Action.EXPORTED, identity.player_id, f"run {run.id}")
     # Never shown in place: it is another site's page.

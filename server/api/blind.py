@@ -29,14 +29,14 @@ from tril.store.training.blind_answers import BlindRound
 
 router = APIRouter(prefix="/runs/{run_id}/blind", tags=["runs"])
 frames_router = APIRouter(prefix="/runs/{run_id}/blind", tags=["runs"])
-"""Of games that are replayed."""
+"""Routes that replay games."""
 
 _BYTES = "application/octet-stream"
 
 
 @router.get("", responses=NOT_FOUND)
 def get_blind_comparison(session: ReadSession, who: Who, run_id: RunId) -> BlindComparison:
-    """Return what the reader has judged, and whose games those of rounds were that are over."""
+    """Return the reader's answers, and who played which game in finished rounds."""
     return _view(session, who, runs.get(session, str(run_id)))
 
 
@@ -61,7 +61,7 @@ def get_blind_frames(
     pair: Annotated[int, Path(ge=1, le=MAX_PAIRS)],
     side: BlindSide,
 ) -> Response:
-    """Return every frame of a game of a round, without naming the game."""
+    """Return every frame of a game in a round, without naming the game."""
     services = services_of(request)
     with services.database.reading() as session:
         pairs = blind_answers.pairs_of(session, runs.get(session, str(run_id)), round_number)

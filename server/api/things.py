@@ -21,7 +21,7 @@ from tril.recording import Recording
 from tril.store import behaviours, recordings
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.making import vocabulary_key
-from tril.vocabulary.pointing import what_can_be_meant
+from tril.vocabulary.pointing import meanings_of
 from tril.vocabulary.sentences import kind_name
 
 router = APIRouter(prefix="/behaviours/{behaviour_id}/ranking/things", tags=["ranking"])
@@ -34,12 +34,12 @@ def picture_url(behaviour_id: int, game: Game) -> str:
 
 @router.get("", responses=NOT_FOUND)
 def list_things(request: Request, behaviour_id: BehaviourId) -> NamedThings:
-    """Return what a person may mean: of each kind of things, and of what is no thing."""
+    """Return the meanings to choose from, by kind of thing, and those that belong to no thing."""
     services = services_of(request)
     game = _game_of(services, behaviour_id)
     words = Vocabulary.load(_vocabulary(services, game))
     meanings: dict[int | None, list[Meaning]] = defaultdict(list)
-    for pointed in what_can_be_meant(words, game):
+    for pointed in meanings_of(words, game):
         meanings[pointed.kind].append(
             Meaning(subjects=[pointed.subject], sentence=pointed.sentence)
         )

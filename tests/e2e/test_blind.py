@@ -66,21 +66,21 @@ def test_a_person_judges_pairs_without_knowing_whose_they_are(
         expect(page.get_by_text(f"Pair 3 of {N_PAIRS}")).to_be_visible()
         page.keyboard.press("Escape")
         page.reload()
-        page.get_by_role("button", name=f"Go on: 2 of {N_PAIRS} judged").click()
+        page.get_by_role("button", name=f"Continue: 2 of {N_PAIRS} judged").click()
         judge(page, 3, "ArrowRight")
         judge(page, 4, "2")
         expect(page.get_by_text(f"All {N_PAIRS} pairs are judged.")).to_be_visible()
-        page.get_by_role("button", name="Show whose they were").press("Enter")
+        page.get_by_role("button", name="Show who played which").press("Enter")
 
         wins = sum(pair.imitator_left for pair in pairs[:1])
         wins += sum(not pair.imitator_left for pair in pairs[1:])
-        told = page.get_by_role("dialog", name="Whose games they were")
+        told = page.get_by_role("dialog", name="Who played which")
         expect(told.get_by_role("status")).to_contain_text(f"The imitator won {wins} of {N_PAIRS}")
-        listed = told.get_by_role("list", name="Whose games they were").get_by_role("listitem")
+        listed = told.get_by_role("list", name="Who played which").get_by_role("listitem")
         for item, pair in zip(listed.all(), pairs, strict=True):
             links = [link.get_attribute("href") for link in item.get_by_role("link").all()]
             assert links == [f"/recordings/{game}?run={run_id}" for game in pair.sides]
         told.get_by_role("button", name="Back to the run").click()
-        figure = page.get_by_text("Closer to what was meant, compared blind").locator("..")
+        figure = page.get_by_text("Closer to what was meant (blind comparison)").locator("..")
         expect(figure).to_contain_text(f"{wins / N_PAIRS:.0%}")
-        expect(page.get_by_role("button", name="Compare others blind")).to_be_focused()
+        expect(page.get_by_role("button", name="Compare more pairs")).to_be_focused()

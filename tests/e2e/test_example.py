@@ -47,7 +47,7 @@ def test_the_example_opens_at_once_and_everything_of_it_works(
         verdict = page.get_by_role("region", name="Verdict")
         expect(verdict).to_contain_text("of 6 targets")
         expect(page.get_by_text("It was trained elsewhere")).to_be_visible()
-        expect(page.get_by_role("region", name="What can be taken away?")).to_be_visible()
+        expect(page.get_by_role("region", name="Take it with you")).to_be_visible()
         expect(page.get_by_role("region", name="What does the reward look at?")).to_be_visible()
         run_address = page.url
         games = page.get_by_role("group", name="Games in step")

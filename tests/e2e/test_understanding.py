@@ -69,7 +69,7 @@ def test_a_statement_is_seen_agreed_with_and_taken_back(page: Page) -> None:
     sentence = name.removeprefix("This is it: ")
     agree.first.focus()
     page.keyboard.press("Enter")
-    expect(panel.get_by_text("You said that this is it.").first).to_be_visible()
+    expect(panel.get_by_text("You said: this is it.").first).to_be_visible()
     back = panel.get_by_role("button", name=f"Take back: {sentence}", exact=True)
     expect(back).to_be_focused()
     expect(back).to_have_attribute("aria-disabled", "false")
@@ -77,7 +77,7 @@ def test_a_statement_is_seen_agreed_with_and_taken_back(page: Page) -> None:
     page.reload()
     expect(back).to_be_visible(timeout=PATIENCE_MS)
     back.click()
-    expect(panel.get_by_text("You said that this is it.")).to_have_count(0)
+    expect(panel.get_by_text("You said: this is it.")).to_have_count(0)
     expect(panel.get_by_role("button", name=name, exact=True)).to_be_visible()
 
 

@@ -22,7 +22,7 @@ from tril.recording import Recording, trajectory
 from tril.store import behaviours, recordings
 from tril.store.database import Database
 from tril.store.models import EvaluationRow, RecordingRow, RunRow
-from tril.store.training import artifacts, evaluations, runs
+from tril.store.training import artifacts, blind_answers, evaluations, runs
 from tril.store.training.alarms import alarm_of
 from tril.store.training.demonstrations import best_demonstration
 from tril.store.training.judged_games import PLAYERS
@@ -44,7 +44,7 @@ class SharedGame:
         result: How it came out, in words.
         recording: The recording.
         still_frame: Frame that stands for it.
-        place: Place of its tier in the ranking, from 1; 0 of games that are not ranked.
+        place: Place of its tier in the ranking, from 1; 0 if it is not ranked.
         level: Mean level of R of its last states, where it is known.
     """
 
@@ -76,7 +76,7 @@ class Contents:
         about: Facts of the training, in words.
         behaviour: What is taught.
         game: The game as the behaviour sets it.
-        verdict: What came of the run.
+        verdict: Verdict on the run.
         imitator: The imitator's game; None if it has played none.
         best: The best demonstration, if there is one.
         ranked: The ranked games, the best first.
@@ -142,7 +142,16 @@ def read_contents(database: Database, run_id: str, data: Path) -> Contents:
             best=None if best is None else _shared(best, behaviour, game),
             ranked=ranked,
             statements=_statements(check.statements if check else (), data, game),
-            figures=tuple(figures_of(run, behaviour, game, games, list(rows.values()))),
+            figures=tuple(
+                figures_of(
+                    run,
+                    behaviour,
+                    game,
+                    games,
+                    list(rows.values()),
+                    blind_answers.result_of(session, run_id),
+                )
+            ),
         )
 
 

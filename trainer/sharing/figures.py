@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from trainer.sharing.words import measure_title, measure_value
+from tril.analysis.blind import BlindResult
 from tril.analysis.summary import Interval, PolicySummary
 from tril.games.base import Game
 from tril.games.behaviours import Behaviour
@@ -17,7 +18,7 @@ MOST = 5
 
 
 @dataclass(frozen=True)
-class Compared:
+class OtherPlayer:
     """The value of a figure for another player.
 
     Attributes:
@@ -37,8 +38,8 @@ class Figure:
 
     Attributes:
         name: Name of the figure.
-        value: The imitator's.
-        others: Those to compare with.
+        value: Value for the imitator.
+        others: Values for other players.
         interval: The imitator's interval; None without a picture.
         low: Lower bound of the picture's axis.
         high: Upper bound of the picture's axis.
@@ -46,14 +47,17 @@ class Figure:
 
     name: str
     value: str
-    others: tuple[Compared, ...] = ()
+    others: tuple[OtherPlayer, ...] = ()
     interval: Interval | None = None
     low: float = 0.0
     high: float = 1.0
 
     def intervals(self) -> list[tuple[str, Interval]]:
         """Return the intervals of the picture with whose they are."""
-        pairs = [("imitator", self.interval), *((one.actor, one.interval) for one in self.others)]
+        pairs = [
+            ("imitator", self.interval),
+            *((other.actor, other.interval) for other in self.others),
+        ]
         return [(actor, interval) for actor, interval in pairs if interval is not None]
 
     def at(self, value: float) -> float:
@@ -68,8 +72,11 @@ def figures_of(
     game: Game,
     games: Sequence[EvaluationRow],
     demonstrations: Sequence[RecordingRow],
+    blind: BlindResult | None,
 ) -> list[Figure]:
     """Return at most five figures of a run, what the behaviour asks for first.
+
+    A blind comparison comes first where nothing measures the behaviour, else second.
 
     Args:
         run: The run.
@@ -77,14 +84,27 @@ def figures_of(
         game: The game as the behaviour sets it.
         games: The run's evaluation games, loaded with their recordings.
         demonstrations: Its ranked games.
+        blind: Result of its blind comparisons, if there are any.
     """
     n_targets = None if behaviour.target is None else len(behaviour.target)
     summary = list(_summary(evaluations.summaries(games, n_targets), behaviour, game))
     measures = list(_measures(behaviour, game, games, demonstrations))
     figures = [*summary, *measures] if behaviour.target else [*measures, *summary]
+    if blind is not None:
+        figures.insert(1 if behaviour.target or measures else 0, _blind(blind))
     if (check := run.outcome.check) is not None:
         figures.append(Figure("Agreement of R with the ranking, 1 at most", f"{check.tau:.2f}"))
     return figures[:MOST]
+
+
+def _blind(blind: BlindResult) -> Figure:
+    others = tuple(
+        OtherPlayer(score.opponent, f"{score.n - score.wins:g} of {score.n}")
+        for score in blind.against
+    )
+    share = blind.share
+    name = "Closer to what was meant (blind comparison)"
+    return Figure(name, f"{share.mean:.0%}", others, share)
 
 
 def _summary(
@@ -98,8 +118,8 @@ def _summary(
         if interval is None:
             continue
         other: Interval | None = None if clone is None else getattr(clone, key)
-        others = () if other is None else (Compared("clone", write(other.mean), other),)
-        ends = [one.high for one in (interval, other) if one is not None]
+        others = () if other is None else (OtherPlayer("clone", write(other.mean), other),)
+        ends = [bounds.high for bounds in (interval, other) if bounds is not None]
         yield Figure(name, write(interval.mean), others, interval, 0.0, high or max(ends))
 
 
@@ -146,5 +166,5 @@ def _measures(
             if mean is not None
         }
         if (value := texts.pop("imitator", None)) is not None:
-            others = tuple(Compared(player, text) for player, text in texts.items())
+            others = tuple(OtherPlayer(player, text) for player, text in texts.items())
             yield Figure(measure_title(measure, game), value, others)

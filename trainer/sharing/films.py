@@ -20,7 +20,7 @@ from tril.recording import Recording, RecordingRefused, replay
 MAX_GAP_BYTES = 4
 """Unchanged bytes within a run of changed ones: to begin another run takes two or three."""
 STILL_FRAMES = 2
-"""Frames that a still joins: what flickers is on one of two."""
+"""Frames joined into a still, since flickering objects are drawn on every other frame."""
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ MAX_BYTES = 3_000_000
 MOST_RANKED = 24
 """Ranked games that are shown at most; each takes a replay to make."""
 FEWER_PICTURES = (1, 3, 6)
-"""Frames that a picture stands for, fewer pictures where a page would be too large."""
+"""Frames per picture, tried in turn until the page is small enough."""
 SHORTEST_FRAMES = 60
 PLOT_HEIGHT = 96
 PLOT_PADDING = 6
@@ -218,7 +218,7 @@ def write_share_page(page: SharePage, path: Path) -> Path:
 
 
 def _plans(n_ranked: int, longest: int) -> Iterator[Plan]:
-    """Yield how much a page may hold, less and less of it."""
+    """Yield plans for a page's games, each smaller than the one before."""
     fewest = FEWER_PICTURES[-1]
     for frames in FEWER_PICTURES:
         yield Plan(n_ranked, 1, frames)
@@ -357,7 +357,8 @@ def _told(
             yield f"Only the first {plan.longest / rate_hz:.0f} s are shown, for the same reason."
     missing = sum(g is not None for g in (contents.imitator, contents.best)) - len(sides)
     if missing:
-        yield f"{missing} of the two games can't be replayed here and is left out."
+        which = "One of the two games" if sides else "The game of imitator or person"
+        yield f"{which} can't be replayed here and is left out."
     if tiles and plan.ranked_frames_per_picture > 1:
         yield (
             f"Ranked games are shown with {rate_hz / plan.ranked_frames_per_picture:.0f} pictures"

@@ -25,7 +25,7 @@ class BlindAnswer(StrEnum):
     """What a person does in a round, in order of time.
 
     LEFT, RIGHT and EQUAL judge the next pair. TAKEN_BACK takes the last judgement back. ENDED ends
-    the round, after which whose games they were is told.
+    the round, after which the players are revealed.
     """
 
     LEFT = "left"
@@ -84,7 +84,7 @@ class OpponentScore:
 
     Attributes:
         opponent: Player of the other games.
-        wins: Number of such pairs; equal ones count half.
+        wins: Pairs in which it was closer; equal ones count half.
         n: Number of pairs.
     """
 
@@ -98,9 +98,9 @@ class BlindResult:
     """How often the imitator's game was closer to what was meant.
 
     Attributes:
-        wins: Number of such pairs; equal ones count half.
+        wins: Pairs in which it was closer; equal ones count half.
         share: Share of the pairs, with its 95% interval.
-        against: The same by opponent.
+        against: Score against each opponent.
         n_people: Number of people whose answers these are.
     """
 

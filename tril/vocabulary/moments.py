@@ -81,7 +81,7 @@ def seconds_of(facts: Array, clock: Clock) -> Seconds:
     """
     per_second = steps_per_second(clock)
     n_seconds = min(len(facts), clock.max_steps) // per_second
-    # (n_seconds, per_second, n_facts): what is left over is no whole second.
+    # (n_seconds, per_second, n_facts): the rest is less than a second.
     whole = facts[: n_seconds * per_second].reshape(n_seconds, per_second, facts.shape[1])
     means: Seconds = whole.mean(1).astype(np.float16)
     return means

@@ -1,4 +1,4 @@
-"""Which game that is not ranked yet would tell statements apart best."""
+"""The unranked game that distinguishes statements best."""
 
 from __future__ import annotations
 

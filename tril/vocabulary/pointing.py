@@ -44,7 +44,7 @@ class Pointed:
     kind: int | None
 
 
-def what_can_be_meant(words: Vocabulary, game: Game) -> tuple[Pointed, ...]:
+def meanings_of(words: Vocabulary, game: Game) -> tuple[Pointed, ...]:
     """Return all that a vocabulary has groups for and a person can name, each once.
 
     Bytes of memory that neither follow a thing nor have a name are left out.
@@ -58,7 +58,7 @@ def what_can_be_meant(words: Vocabulary, game: Game) -> tuple[Pointed, ...]:
 
 
 def _kind_of(group: Group) -> int | None:
-    """Return the kind that a person points at to mean a group, of a relation the other thing's."""
+    """Return the kind to point at for a group; for a relation, that of the other thing."""
     if group.twin is not None:
         return group.twin.kind
     return group.subject[-1] if group.source == "thing" else None
@@ -78,7 +78,7 @@ def _open_sentence(words: Vocabulary, group: Group, game: Game) -> str | None:
     if group.source == "button":
         return f"{game.controls.buttons[group.subject[0]]} held more or less"
     if group.source == "time":
-        return "the game going on longer or less long"
+        return "the game lasting longer or shorter"
     byte = group.subject[0]
     named = game.memory_names.get(byte)
     return named and _OF_MEMORY[group.aspect].format(memory=f"memory {byte} ({named})")

@@ -58,7 +58,7 @@ class Telling:
     statement: Statement = field(compare=False, repr=False)
 
     def kinds(self, words: Vocabulary) -> tuple[int, ...]:
-        """Return the kinds of things that it is about, of a relation the other thing's."""
+        """Return the kinds of things that it is about, for a relation, that of the other thing."""
         kinds: list[int] = []
         for index in self.groups:
             group = words.groups[index]

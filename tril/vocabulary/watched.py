@@ -53,7 +53,7 @@ class Watched:
 
     @classmethod
     def of(cls, recording: Recording, console: Console, words: Vocabulary) -> Self:
-        """Replay a recording and see it.
+        """Replay a recording and extract its facts and things.
 
         Raises:
             RecordingRefused: The recording goes on after its game's end.

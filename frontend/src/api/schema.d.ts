@@ -370,7 +370,7 @@ export interface paths {
         };
         /**
          * List Things
-         * @description Return what a person may mean: of each kind of things, and of what is no thing.
+         * @description Return the meanings to choose from, by kind of thing, and those that belong to no thing.
          */
         get: operations["list_things"];
         put?: never;
@@ -1301,7 +1301,7 @@ export interface paths {
         };
         /**
          * Get Blind Comparison
-         * @description Return what the reader has judged, and whose games those of rounds were that are over.
+         * @description Return the reader's answers, and who played which game in finished rounds.
          */
         get: operations["get_blind_comparison"];
         put?: never;
@@ -1321,7 +1321,7 @@ export interface paths {
         };
         /**
          * Get Blind Frames
-         * @description Return every frame of a game of a round, without naming the game.
+         * @description Return every frame of a game in a round, without naming the game.
          */
         get: operations["get_blind_frames"];
         put?: never;
@@ -1764,7 +1764,7 @@ export interface components {
          * @description What a person does in a round, in order of time.
          *
          *     LEFT, RIGHT and EQUAL judge the next pair. TAKEN_BACK takes the last judgement back. ENDED ends
-         *     the round, after which whose games they were is told.
+         *     the round, after which the players are revealed.
          * @enum {string}
          */
         BlindAnswer: "left" | "right" | "equal" | "taken back" | "ended";
@@ -1772,7 +1772,8 @@ export interface components {
          * BlindAnswerNew
          * @description What a person does in their round.
          *
-         *     ``pair`` is the one that is judged, counted from 1; else the last that was judged.
+         *     ``pair`` is the one that is judged, counted from 1; for TAKEN_BACK and ENDED, the last judged
+         *     pair.
          */
         BlindAnswerNew: {
             answer: components["schemas"]["BlindAnswer"];
@@ -1807,9 +1808,9 @@ export interface components {
          * @description How often the imitator's game was closer to what was meant.
          *
          *     Attributes:
-         *         wins: Number of such pairs; equal ones count half.
+         *         wins: Pairs in which it was closer; equal ones count half.
          *         share: Share of the pairs, with its 95% interval.
-         *         against: The same by opponent.
+         *         against: Score against each opponent.
          *         n_people: Number of people whose answers these are.
          */
         BlindResult: {
@@ -2637,7 +2638,7 @@ export interface components {
          *
          *     Attributes:
          *         opponent: Player of the other games.
-         *         wins: Number of such pairs; equal ones count half.
+         *         wins: Pairs in which it was closer; equal ones count half.
          *         n: Number of pairs.
          */
         OpponentScore: {

@@ -1,4 +1,7 @@
-"""The blind comparison of a training's games. What is told before a round is over names no game."""
+"""The blind comparison of a training's games.
+
+Nothing returned before a round is over identifies a game.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,8 @@ BlindSide = Literal["left", "right"]
 class BlindAnswerNew(Schema):
     """What a person does in their round.
 
-    ``pair`` is the one that is judged, counted from 1; else the last that was judged.
+    ``pair`` is the one that is judged, counted from 1; for TAKEN_BACK and ENDED, the last judged
+    pair.
     """
 
     round: int = Field(strict=True, ge=1, le=MAX_ROUND)

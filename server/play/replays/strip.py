@@ -15,16 +15,16 @@ from tril.recording import Recording, replay
 
 N_MOMENTS = 8
 COLUMNS = 2
-"""Of the moments."""
+"""Columns of moments in a strip."""
 SMALL_COLUMNS = 4
-"""Of the reduced moments below them."""
+"""Columns of reduced moments, below the others."""
 
 _N_CANDIDATES = 64
 _WIDEST = 320
 """Width in pixels from which moments are reduced, too."""
 _SMALL_WIDEST = 80
 _LOOK = (16, 21)
-"""Width and height of what moments are compared by."""
+"""Width and height of the thumbnails that moments are compared by."""
 _WEIGHT_OF_TIME = 0.5
 """A whole game apart counts as half of the greatest difference in looks."""
 
@@ -82,7 +82,7 @@ class Reel:
         self._screens: list[Screen] = []
 
     def add(self, episode: Episode) -> None:
-        """Look at the start of an episode or at a frame after it."""
+        """Collect the screen if its frame is one of the candidates."""
         if episode.frame in self._wanted or episode.end is not None:
             self._frames.append(episode.frame)
             self._screens.append(_reduced(self._screen, episode.console.screen()))

@@ -7,6 +7,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from sqlalchemy import select
 from starlette.testclient import TestClient
 
 from server.archives import ArchiveMaker
@@ -14,11 +15,13 @@ from server.web.pages import FRONTEND
 from testsupport.finished_runs import make_finished_run
 from testsupport.workplace import Workplace, make_workplace
 from trainer.archive.run_archive import write_archive
+from tril.analysis.blind import BlindAnswer
 from tril.errors import Unavailable
 from tril.exchange import example
 from tril.files.artifact_store import ArtifactStore
 from tril.files.cache import Cache, sealed
 from tril.store import behaviours
+from tril.store.models import BlindAnswerRow, RecordingRow
 from tril.store.training import runs
 
 
@@ -37,6 +40,21 @@ def test_a_finished_run_is_downloaded_as_one_zip_which_is_made_once(
     (kept,) = workplace.settings.cache_folder.glob("*.run.zip")
     kept.write_bytes(sealed(b"kept"))
     assert client.get(f"/api/runs/{run_id}/archive.zip").content == b"kept"
+    with workplace.database.writing() as session:
+        game, other = session.scalars(select(RecordingRow.id).limit(2))
+        session.add(
+            BlindAnswerRow(
+                run_id=run_id,
+                round=1,
+                pair=1,
+                imitator_id=game,
+                other_id=other,
+                imitator_left=True,
+                answer=BlindAnswer.LEFT,
+            )
+        )
+    # It has the answers of blind comparisons.
+    assert client.get(f"/api/runs/{run_id}/archive.zip").content != b"kept"
 
 
 @pytest.mark.skipif(not (FRONTEND / "share").is_dir(), reason="needs the built page")
@@ -82,10 +100,10 @@ def test_an_archive_that_takes_too_long_or_fails_is_given_up(
         run = runs.get(session, workplace.make_run())
         behaviour = behaviours.get(session, run.behaviour_id)
     with pytest.raises(Unavailable, match="Making the archive took too long"):
-        ArchiveMaker(workplace.settings, cache, timeout_s=0.01).archive(run, behaviour)
+        ArchiveMaker(workplace.settings, cache, timeout_s=0.01).archive(run, behaviour, 0)
     # The route asks for finished runs only.
     with pytest.raises(Unavailable, match="The archive could not be made"):
-        ArchiveMaker(workplace.settings, cache).archive(run, behaviour)
+        ArchiveMaker(workplace.settings, cache).archive(run, behaviour, 0)
 
 
 @pytest.fixture

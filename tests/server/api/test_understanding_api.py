@@ -141,7 +141,7 @@ def test_things_are_named_with_what_may_be_meant_of_them(learned: Learned) -> No
         if thing["picture"]:
             assert learned.client.get(thing["picture"]).content.startswith(b"\x89PNG")
     sentences = [one["sentence"] for one in named["others"]]
-    assert "the game going on longer or less long" in sentences
+    assert "the game lasting longer or shorter" in sentences
     # What is meant by pointing counts as "this is it" does.
     meant = first["meanings"][0]
     answer(learned.client, meant, True)

@@ -6,7 +6,7 @@ from tests.tril.vocabulary.test_facts import words
 from tril.games import game_named
 from tril.vocabulary.answers import Answer, Conditions, subject_of
 from tril.vocabulary.facts import Vocabulary
-from tril.vocabulary.pointing import what_can_be_meant
+from tril.vocabulary.pointing import meanings_of
 from tril.vocabulary.sentences import kind_name
 
 __all__ = ["words"]
@@ -14,7 +14,7 @@ __all__ = ["words"]
 
 def test_each_thing_has_what_the_vocabulary_has_groups_for(words: Vocabulary) -> None:
     pong = game_named("pong")
-    pointed = what_can_be_meant(words, pong)
+    pointed = meanings_of(words, pong)
     assert words.player is not None
     of_player = [one.sentence for one in pointed if one.kind == words.player]
     assert of_player == [
@@ -33,16 +33,14 @@ def test_each_thing_has_what_the_vocabulary_has_groups_for(words: Vocabulary) ->
 
 
 def test_what_is_no_thing_has_a_place_only_if_a_person_can_name_it(words: Vocabulary) -> None:
-    rest = [
-        one.sentence for one in what_can_be_meant(words, game_named("pong")) if one.kind is None
-    ]
-    assert "the game going on longer or less long" in rest
+    rest = [one.sentence for one in meanings_of(words, game_named("pong")) if one.kind is None]
+    assert "the game lasting longer or shorter" in rest
     assert sum(" held more or less" in one for one in rest) == 2
     assert not any("memory" in one for one in rest)
 
 
 def test_each_is_meant_once_and_leaves_its_statements_possible(words: Vocabulary) -> None:
-    pointed = what_can_be_meant(words, game_named("pong"))
+    pointed = meanings_of(words, game_named("pong"))
     subjects = [one.subject for one in pointed]
     assert len(set(subjects)) == len(subjects)
     known = {subject_of(words, group) for group in words.groups}

@@ -151,7 +151,7 @@ def answer(
         run_id: The run.
         player_id: The person.
         round_number: Number of the round.
-        pair_number: The pair that is judged, else the last that was judged.
+        pair_number: The pair that is judged, for TAKEN_BACK and ENDED, the last judged pair.
         given: What they do.
 
     Raises:
@@ -166,7 +166,7 @@ def answer(
     expected = (current.number, n_judged + 1 if judges else n_judged)
     if (round_number, pair_number) != expected or not 1 <= pair_number <= len(pairs):
         raise BlindConflict(
-            "This comparison has gone on elsewhere, such as in another tab. It is shown as it"
+            "This comparison was continued elsewhere, for example in another tab. It is shown as it"
             " stands now."
         )
     shown = pairs[pair_number - 1]

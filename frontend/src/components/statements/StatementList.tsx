@@ -113,9 +113,9 @@ function SaidOf({ answer }: { answer: StatementAnswer }) {
     <span className={answer.meant ? styles.meant : styles.rejected}>
       <Icon name={answer.meant ? "check" : "close"} />
       {answer.meant ? (
-        <Trans>You said that this is it.</Trans>
+        <Trans>You said: this is it.</Trans>
       ) : (
-        <Trans>You said that it is not this.</Trans>
+        <Trans>You said: not this.</Trans>
       )}
     </span>
   );

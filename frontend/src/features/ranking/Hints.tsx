@@ -65,8 +65,8 @@ function hintsFor(
               other: "# games have a star.",
             }),
             isReadByStatements(behaviour)
-              ? t`Star at least three of your best: the agent begins by copying them.`
-              : t`Star at least three of your best: training learns most from what they hit.`,
+              ? t`Star at least three of your best games: the agent begins by copying them.`
+              : t`Star at least three of your best games: training learns most from what they hit.`,
           ].join(" "),
         },
     nRanked >= (isReadByStatements(behaviour) ? GOOD_NUMBER_FOR_STATEMENTS : GOOD_NUMBER)

@@ -182,7 +182,7 @@ function sectionsOf({ run, results, behaviour, onWatch }: SectionsProps): readon
     active ? null : curves,
     run.status === "done" && {
       id: "archive",
-      title: t`What can be taken away?`,
+      title: t`Take it with you`,
       open: true,
       body: <TakeAway run={run} behaviour={behaviour} />,
     },

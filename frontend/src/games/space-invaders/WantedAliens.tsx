@@ -70,8 +70,8 @@ export function WantedAliens({ title, inferred, behaviour, scale, children }: Wa
         {sure(strange).length > 0 && (
           <p>
             {plural(sure(strange).length, {
-              one: "# other alien seems wanted: rank games that hit it lower.",
-              other: "# other aliens seem wanted: rank games that hit them lower.",
+              one: "# other alien seems wanted: put games that hit it further down.",
+              other: "# other aliens seem wanted: put games that hit them further down.",
             })}
           </p>
         )}

@@ -549,7 +549,7 @@ describe("what the other games suggest", () => {
     expect(card(4).getByText("Probably tier 2")).toBeVisible();
     expect(card(2).queryByText(/suggest/)).toBeNull();
     await userEvent.click(screen.getByText("How to read this"));
-    expect(screen.getByText(/A wide band: unsure/)).toBeVisible();
+    expect(screen.getByText(/A wide band means unsure/)).toBeVisible();
   });
 
   it("names a contradiction and moves the game where they suggest", async () => {
@@ -557,7 +557,7 @@ describe("what the other games suggest", () => {
     const server = await open({ tiers: [[1], [2], [3]] }, () => ({ games }));
     expect(
       await screen.findByText(
-        "By what it hits it belongs higher, about tier 1. It is " +
+        "By what it hits, it belongs higher: about tier 1. It is " +
           "no worse than Recording 1 and Recording 2.",
       ),
     ).toBeVisible();
@@ -567,7 +567,7 @@ describe("what the other games suggest", () => {
     expect(board()).toEqual([["1", "3"], ["2"]]);
     expect(screen.getByText("Recording 3: tier 1 of 2, tied with 1.")).toBeInTheDocument();
     await waitFor(() => expect(server.now().tiers).toEqual([[1, 3], [2]]));
-    await waitFor(() => expect(screen.queryByText(/By what it hits it belongs/)).toBeNull());
+    await waitFor(() => expect(screen.queryByText(/By what it hits, it belongs/)).toBeNull());
   });
 
   it("moves nothing by tiers of another order", async () => {

@@ -147,7 +147,7 @@ describe("what a result says", () => {
     open({ check: CHECK });
     const told = within(await screen.findByRole("region", { name: /^What Tril understood/ }));
     expect(told.getByRole("listitem")).toHaveTextContent("what you steer further to the left83%");
-    expect(screen.getByRole("link", { name: "Say so under Rank" })).toHaveAttribute(
+    expect(screen.getByRole("link", { name: "Answer under Rank" })).toHaveAttribute(
       "href",
       "/behaviours/1/rank",
     );
@@ -171,7 +171,7 @@ describe("what a result says", () => {
       },
     });
     await userEvent.click(await screen.findByRole("button", { name: `This is it: ${LEFT}` }));
-    expect(await screen.findByText("You said that this is it.")).toBeVisible();
+    expect(await screen.findByText("You said: this is it.")).toBeVisible();
     expect(asked.find(({ method }) => method === "PUT")?.body).toEqual({
       subjects: ["thing 12:8-8x9-9 x"],
       sentence: LEFT,
@@ -189,7 +189,7 @@ describe("what a result says", () => {
     const not = screen.getByRole("button", { name: `Not this: ${LEFT}` });
     await waitFor(() => expect(not).toHaveAttribute("aria-disabled", "false"));
     await userEvent.click(not);
-    expect(await screen.findByText("You said that it is not this.")).toBeVisible();
+    expect(await screen.findByText("You said: not this.")).toBeVisible();
     expect(screen.getByRole("heading", { name: /^What Tril understood/ })).toHaveFocus();
   });
 
@@ -202,7 +202,7 @@ describe("what a result says", () => {
       "GET /api/behaviours/1/ranking/answers": () => answers,
       "PUT /api/behaviours/1/ranking/answers": () => (answers = []),
     });
-    expect(await screen.findByText("You said that this is it.")).toBeVisible();
+    expect(await screen.findByText("You said: this is it.")).toBeVisible();
     expect(screen.queryByRole("link", { name: /Train again/ })).toBeNull();
     await userEvent.click(screen.getByRole("button", { name: "Take back: FIRE held less" }));
     expect(await screen.findByRole("link", { name: "Train again without it" })).toBeVisible();
@@ -278,7 +278,7 @@ describe("what a result says", () => {
     });
     const [first] = figuresOf(shown, behaviour({ target: null }), SPACE_INVADERS);
     expect(first).toMatchObject({
-      name: "Closer to what was meant, compared blind",
+      name: "Closer to what was meant (blind comparison)",
       value: "65%",
       others: [
         { actor: "clone", text: "0.5 of 5" },

@@ -97,7 +97,7 @@ describe("taking a run away", () => {
       saved.push(this.download);
     });
     URL.createObjectURL = () => "blob:1";
-    const section = within(await screen.findByRole("region", { name: "What can be taken away?" }));
+    const section = within(await screen.findByRole("region", { name: "Take it with you" }));
     await userEvent.click(section.getByRole("button", { name: "Everything as a zip" }));
     expect(section.getByRole("button", { name: "Making the zip…" })).toBeDisabled();
     finish(new ArrayBuffer(8));
@@ -142,7 +142,7 @@ describe("taking a run away", () => {
   it("is not offered before the run is done", async () => {
     open(run());
     await screen.findByRole("figure", { name: "Targets hit per game" });
-    expect(screen.queryByRole("region", { name: "What can be taken away?" })).toBeNull();
+    expect(screen.queryByRole("region", { name: "Take it with you" })).toBeNull();
   });
 });
 

@@ -12,7 +12,7 @@ const steps = () =>
   [
     {
       title: t`Play`,
-      text: t`Choose a behaviour and play; the keys are beside the game. Play some games badly on purpose: they teach as much as the good ones.`,
+      text: t`Choose a behaviour and play; the keys are beside the game. Play some games badly on purpose: Tril learns from the difference.`,
     },
     {
       title: t`Keep`,

@@ -46,12 +46,12 @@ export function Opinion({ opinion, tier, kept, current, onMove, onKeep }: Opinio
           <p>
             {opinion.tier < tier ? (
               <Trans>
-                By what it hits it belongs higher, about tier {opinion.tier}. It is no worse than{" "}
+                By what it hits, it belongs higher: about tier {opinion.tier}. It is no worse than{" "}
                 {listed(others)}.
               </Trans>
             ) : (
               <Trans>
-                By what it hits it belongs lower, about tier {opinion.tier}. It is no better than{" "}
+                By what it hits, it belongs lower: about tier {opinion.tier}. It is no better than{" "}
                 {listed(others)}.
               </Trans>
             )}

@@ -39,7 +39,7 @@ export function OpinionBar({ behaviour, opinions, shown, onShow }: OpinionBarPro
           <p>
             <Trans>
               The mark on a game&rsquo;s bar, from best to worst, shows where the other games would
-              place it by what it hits. A wide band: unsure.
+              place it by what it hits. A wide band means unsure.
             </Trans>
           </p>
         </Wanted>

@@ -46,8 +46,8 @@ export function NextGame({ behaviourId, tiers, onRank }: NextGameProps) {
     <div className={styles.next}>
       <p>
         <Trans>
-          {name} tells most. If you mean “{first}”, it is better than {byFirst} of your ranked
-          games; if you mean “{other}”, than {byOther}.
+          Ranking {name} would help most. If you mean “{first}”, it is better than {byFirst} of your
+          ranked games; if you mean “{other}”, it is better than {byOther}.
         </Trans>
       </p>
       {onRank && (

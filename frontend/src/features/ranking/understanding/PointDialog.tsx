@@ -162,9 +162,9 @@ function Meanings({ thing: { name, picture, meanings }, onMean, onBack }: Meanin
         </h3>
       </div>
       <p>
-        <Trans>What of it makes a game better? Which way, your order says.</Trans>
+        <Trans>What about it makes a game better? Your order says in which direction.</Trans>
       </p>
-      <MeaningList label={t`What of it you mean`} meanings={meanings} onMean={onMean} />
+      <MeaningList label={t`What you mean about it`} meanings={meanings} onMean={onMean} />
     </div>
   );
 }

@@ -71,7 +71,7 @@ export function UnderstandingPanel(props: UnderstandingPanelProps) {
           </Button>
           {statements.length > 1 && !choosing && (
             <Button icon="help" onClick={() => setChoosing(true)}>
-              <Trans>Which game would tell?</Trans>
+              <Trans>Which game should I rank next?</Trans>
             </Button>
           )}
         </div>

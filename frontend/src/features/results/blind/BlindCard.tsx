@@ -29,8 +29,8 @@ export function BlindCard({ runId }: { runId: string }) {
         ) : (
           <Trans>
             Judge <Plural value={nPairs} one="a pair" other="# pairs" /> of games without knowing
-            whose they are: the imitator&rsquo;s, beside the clone&rsquo;s or one that it learned
-            from.
+            who played them: one is the imitator&rsquo;s, the other is the clone&rsquo;s or a
+            demonstration.
           </Trans>
         )}
       </p>
@@ -38,17 +38,17 @@ export function BlindCard({ runId }: { runId: string }) {
         <Button icon="compare" onClick={() => setOpen(null)}>
           {nJudged > 0 ? (
             <Trans>
-              Go on: {nJudged} of {nPairs} judged
+              Continue: {nJudged} of {nPairs} judged
             </Trans>
           ) : latest ? (
-            <Trans>Compare others blind</Trans>
+            <Trans>Compare more pairs</Trans>
           ) : (
             <Trans>Compare blind</Trans>
           )}
         </Button>
         {latest && (
           <Button kind="quiet" onClick={() => setOpen(latest.number)}>
-            <Trans>Whose was whose</Trans>
+            <Trans>Who played which</Trans>
           </Button>
         )}
       </div>

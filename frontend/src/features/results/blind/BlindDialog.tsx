@@ -31,7 +31,7 @@ export function BlindDialog({ runId, blind, comparison, told, onClose }: BlindDi
   const isJudging = !ended && answers.length < nPairs;
   return (
     <Dialog
-      title={ended ? t`Whose games they were` : t`Which is closer to what you meant?`}
+      title={ended ? t`Who played which` : t`Which is closer to what you meant?`}
       width={isJudging ? "160rem" : "60rem"}
       onClose={onClose}
     >
@@ -65,7 +65,7 @@ function AllJudged({ blind, nPairs }: { blind: Blind; nPairs: number }) {
       </p>
       <div className={styles.buttons}>
         <Button kind="primary" ref={next} onClick={() => blind.answer("ended")}>
-          <Trans>Show whose they were</Trans>
+          <Trans>Show who played which</Trans>
         </Button>
         <Button icon="undo" onClick={() => blind.answer("taken back")}>
           <Trans>Undo the last answer</Trans>

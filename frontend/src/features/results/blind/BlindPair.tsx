@@ -49,7 +49,7 @@ export function BlindPair({ blind, comparison }: BlindPairProps) {
       }}
       further={
         answers.length > 0
-          ? [{ label: t`Stop here and show whose they were`, onAct: () => blind.answer("ended") }]
+          ? [{ label: t`Stop here and show who played which`, onAct: () => blind.answer("ended") }]
           : []
       }
     />

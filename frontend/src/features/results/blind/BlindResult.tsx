@@ -24,12 +24,9 @@ export function BlindResult({ runId, finished: { result, pairs } }: BlindResultP
         {describeBlind(result)}
       </p>
       <p className={styles.note}>
-        <Trans>
-          In brackets: where the share would probably lie (95%) after many more pairs. Equally close
-          counts half.
-        </Trans>
+        <Trans>In brackets: 95% interval of the share. Equally close counts half.</Trans>
       </p>
-      <ol className={styles.pairs} aria-label={t`Whose games they were`}>
+      <ol className={styles.pairs} aria-label={t`Who played which`}>
         {pairs.map((pair, index) => (
           <li key={index}>
             <Pair runId={runId} pair={pair} />

@@ -14,7 +14,7 @@ export function describeBlind({ wins: won, share, against }: BlindResult): strin
   const parts = against.map(({ opponent, wins: part, n }) =>
     opponent === "clone"
       ? t`${wins(part)} of ${n} against the clone`
-      : t`${wins(part)} of ${n} against games that it learned from`,
+      : t`${wins(part)} of ${n} against demonstrations`,
   );
   const [low, high] = [percent(share.low, 0), percent(share.high, 0)];
   return t`The imitator won ${wins(won)} of ${share.n} (${low} to ${high}): ${listed(parts)}.`;

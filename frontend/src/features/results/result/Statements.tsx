@@ -59,8 +59,8 @@ export function Statements({ run, check: { statements, answers: known } }: State
         <p>
           <Trans>
             Is this what you meant?{" "}
-            <Link to={`/behaviours/${run.behaviour_id}/rank`}>Say so under Rank</Link>, and the next
-            run knows.
+            <Link to={`/behaviours/${run.behaviour_id}/rank`}>Answer under Rank</Link>; it counts in
+            the next run.
           </Trans>
         </p>
       )}
@@ -84,7 +84,7 @@ function Again({ run, known, answers }: AgainProps) {
   if (added.length === 0 && without(known, answers).length === 0)
     return (
       <p>
-        <Trans>Is this what you meant? The next run knows what you say.</Trans>
+        <Trans>Is this what you meant? Your answer counts in the next run.</Trans>
       </p>
     );
   return (

@@ -50,7 +50,7 @@ function blindFigure({ blind }: RunResults): Figure[] {
   const { share, against } = blind;
   return [
     {
-      name: t`Closer to what was meant, compared blind`,
+      name: t`Closer to what was meant (blind comparison)`,
       value: percent(share.mean, 0),
       others: against.map(({ opponent, wins, n }) => ({
         actor: opponent,

@@ -144,10 +144,10 @@ function describeConfused({
   const [above, below] = [names(better), names(worse)];
   if (right === null || all === null)
     return heldOut
-      ? t`${above} above ${below}: not so without one of them in the training.`
-      : t`${above} above ${below}: not so to the reward.`;
+      ? t`${above} above ${below}: the reward disagrees if one of them is held out.`
+      : t`${above} above ${below}: the reward disagrees.`;
   return heldOut
-    ? t`${above} above ${below}: right in ${right} of ${all}, without one of them in the training.`
+    ? t`${above} above ${below}: right in ${right} of ${all} with one of them held out.`
     : t`${above} above ${below}: right in ${right} of ${all}.`;
 }
 

@@ -18,8 +18,8 @@ export function TakeAway({ run, behaviour }: { run: Run; behaviour: Behaviour })
       <p>
         <Trans>
           One page to send: a file that opens in any browser, without Tril and without a network.
-          The imitator plays beside your best game, and your order is there to watch. Send its
-          poster along where a picture says more.
+          The imitator plays beside your best game, and your ranked games play, too. Its poster is a
+          picture to send along.
         </Trans>
       </p>
       <div className={styles.buttons}>
@@ -44,7 +44,7 @@ export function TakeAway({ run, behaviour }: { run: Run; behaviour: Behaviour })
         {making === "archive.zip" && t`Figures and clips are drawn; this takes up to a minute.`}
         {isPending &&
           making !== "archive.zip" &&
-          t`All its games are replayed; this takes up to a minute.`}
+          t`The games are replayed first; this takes up to a minute.`}
       </p>
       {error && (
         <Notice tone="bad" live>

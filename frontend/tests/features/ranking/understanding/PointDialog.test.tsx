@@ -67,7 +67,7 @@ describe("pointing at a thing", () => {
     player.focus();
     await waitFor(() => expect(boxes()[0]?.className).toContain("marked"));
     await userEvent.keyboard("{Enter}");
-    expect(await screen.findByRole("list", { name: "What of it you mean" })).toBeVisible();
+    expect(await screen.findByRole("list", { name: "What you mean about it" })).toBeVisible();
     await userEvent.click(screen.getByRole("button", { name: "Another thing" }));
     const others = within(screen.getByRole("list", { name: "Something else" }));
     await userEvent.click(others.getByRole("button", { name: TIME.sentence }));

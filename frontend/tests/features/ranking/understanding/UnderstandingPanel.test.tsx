@@ -154,7 +154,7 @@ describe("an answer", () => {
     await screen.findByText(LEFT);
     screen.getByRole("button", { name: `This is it: ${LEFT}` }).focus();
     await userEvent.keyboard("{Enter}");
-    expect(await screen.findByText("You said that this is it.")).toBeVisible();
+    expect(await screen.findByText("You said: this is it.")).toBeVisible();
     expect(asked.find(({ method }) => method === "PUT")?.body).toEqual({
       subjects: ["thing 12:8-8x9-9 x"],
       sentence: LEFT,
@@ -217,7 +217,7 @@ describe("the game that would tell", () => {
       [{ state: "watching", progress: 0.25, statements: [] }, { next_game: NEXT }],
       onRank,
     );
-    const button = await screen.findByRole("button", { name: "Which game would tell?" });
+    const button = await screen.findByRole("button", { name: "Which game should I rank next?" });
     expect(asked.map(({ body }) => body)).toEqual([{ tiers: [[1], [2]], with_next: false }]);
     await userEvent.click(button);
     expect(await screen.findByRole("progressbar")).toHaveAccessibleName(
@@ -225,7 +225,7 @@ describe("the game that would tell", () => {
     );
     expect(
       await screen.findByText(
-        `Recording 9 tells most. If you mean “${LEFT}”, it is better than 90% of your ranked games; if you mean “${FIRE}”, than 20%.`,
+        `Ranking Recording 9 would help most. If you mean “${LEFT}”, it is better than 90% of your ranked games; if you mean “${FIRE}”, it is better than 20%.`,
         {},
         { timeout: 3000 },
       ),
@@ -236,7 +236,9 @@ describe("the game that would tell", () => {
 
   it("is none where all unranked games are alike", async () => {
     choose([{ next_game: null }], vi.fn());
-    await userEvent.click(await screen.findByRole("button", { name: "Which game would tell?" }));
+    await userEvent.click(
+      await screen.findByRole("button", { name: "Which game should I rank next?" }),
+    );
     expect(await screen.findByText(/^No unranked game tells these statements apart/)).toBeVisible();
   });
 });
