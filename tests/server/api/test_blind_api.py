@@ -135,7 +135,7 @@ def test_another_tab_does_not_judge_a_pair_twice(
     _, client, path = place
     judge(client, path, 1, "left")
     late = give(client, path, 1, 1, "right")
-    assert (late.status_code, "gone on elsewhere" in late.json()["detail"]) == (409, True)
+    assert (late.status_code, "continued elsewhere" in late.json()["detail"]) == (409, True)
     assert give(client, path, 1, 3, "left").status_code == 409
     assert give(client, path, 2, 1, "left").status_code == 409
     assert client.get(path).json()["answers"] == ["left"]
