@@ -60,18 +60,18 @@ class ArchiveMaker:
         self._timeout_s = timeout_s
         self._turns = Turns("archives", MAX_WAITING)
 
-    def archive(self, run: RunRow, behaviour: BehaviourRow, n_answers: int) -> bytes:
+    def archive(self, run: RunRow, behaviour: BehaviourRow, version: object) -> bytes:
         """Return a finished run's archive.
 
         Args:
             run: The run.
             behaviour: Its behaviour.
-            n_answers: Number of answers in its blind comparisons, which are only ever added.
+            version: What else it depends on.
 
         Raises:
             Unavailable: Too many requests wait, or this one failed or took too long.
         """
-        words = (run.name, run.notes, behaviour.name, behaviour.description, n_answers)
+        words = (run.name, run.notes, behaviour.name, behaviour.description, version)
         name = f"{_digest(run, *words)}.run.zip"
 
         def make(folder: Path) -> bytes:
@@ -81,13 +81,13 @@ class ArchiveMaker:
 
         return self._cache.get(name, lambda: self._made(make))
 
-    def page(self, run: RunRow, behaviour: BehaviourRow, n_answers: int, part: PagePart) -> bytes:
+    def page(self, run: RunRow, behaviour: BehaviourRow, version: object, part: PagePart) -> bytes:
         """Return a finished run as a page that needs no server, or the page's poster.
 
         Args:
             run: The run.
             behaviour: Its behaviour.
-            n_answers: Number of answers in its blind comparisons, which are only ever added.
+            version: What else it depends on.
             part: The page or its poster.
 
         Raises:
@@ -95,7 +95,7 @@ class ArchiveMaker:
         """
         pictures = pictures_path(self._data, game_of(as_behaviour(behaviour)))
         words = (run.name, behaviour.name, behaviour.description)
-        what = (behaviour.measures, behaviour.target, pictures.exists(), n_answers)
+        what = (behaviour.measures, behaviour.target, pictures.exists(), version)
         name = f"{_digest(run, *words, *what)}.page.zip"
 
         def make(folder: Path) -> bytes:
@@ -133,7 +133,7 @@ class ArchiveMaker:
 def _digest(run: RunRow, *others: object) -> str:
     """Return a name for what is made of a run.
 
-    What it learned from and what came out do not change; what people call it may.
+    What it learned from and what came out do not change; what people call it and say of it may.
 
     Args:
         run: The run.

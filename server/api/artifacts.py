@@ -10,7 +10,7 @@ from starlette.responses import Response
 from server.archives import PagePart
 from server.dependencies import ArtifactId, RunId, Who, services_of
 from server.web.problems import CONFLICT, NOT_FOUND
-from tril.store import audit, behaviours
+from tril.store import audit, behaviours, measured
 from tril.store.access.credentials import Identity
 from tril.store.models import BehaviourRow, RunRow
 from tril.store.training import artifacts, blind_answers, runs
@@ -77,7 +77,7 @@ def get_run_page(request: Request, identity: Who, run_id: RunId, part: PagePart)
         run_id,
         part,
         _PAGE_TYPES[part],
-        lambda run, behaviour, n_answers: archives.page(run, behaviour, n_answers, part),
+        lambda run, behaviour, version: archives.page(run, behaviour, version, part),
     )
 
 
@@ -87,15 +87,17 @@ def _taken_away(
     run_id: RunId,
     ending: str,
     media_type: str,
-    make: Callable[[RunRow, BehaviourRow, int], bytes],
+    make: Callable[[RunRow, BehaviourRow, object], bytes],
 ) -> Response:
     """Return a file of a finished training, and note who took it."""
     database = services_of(request).database
     with database.reading() as session:
         run = runs.get_done(session, str(run_id))
         behaviour = behaviours.get(session, run.behaviour_id)
+        # Answers are only ever added; measures are read from replays, one by one.
         n_answers = len(blind_answers.rows_of(session, run.id))
-    content = make(run, behaviour, n_answers)
+        n_unmeasured = len(measured.unmeasured(session)) if behaviour.measures else 0
+    content = make(run, behaviour, (n_answers, n_unmeasured))
     with database.writing() as session:
         audit.note(session, audit.Action.EXPORTED, identity.player_id, f"run {run.id}")
     # Never shown in place: it is another site's page.

@@ -17,12 +17,12 @@ def test_a_ready_made_behaviour_is_taken_played_and_checked(
     with signed_in(browser, built, "/games/pong", viewport=DESKTOP) as page:
         page.get_by_role("button", name="Teach Stay up").click()
         dialog = page.get_by_role("dialog")
-        asked = "Green paddle in the area 0, 34 to 160, 114: at least 90% of the time"
+        asked = "Green paddle in the area 0, 0 to 160, 114: at least 90% of the time"
         measure = dialog.get_by_role("group", name=asked)
         expect(measure).to_be_visible()
         expect(measure.get_by_role("button", name="Area 1")).to_be_visible()
         dialog.get_by_role("button", name="Measure something").click()
-        added = dialog.get_by_role("group", name=re.compile("Green paddle in the area 0, 0"))
+        added = dialog.get_by_role("group", name=re.compile("Green paddle in the area 0, 0 to 160, 2"))
         added.get_by_label("What is measured").select_option("How long the game lasts")
         dialog.get_by_label("At least, seconds").fill("1")
         dialog.get_by_role("button", name="Create behaviour").click()

@@ -44,8 +44,10 @@ def write_gallery(
     cards = []
     for slug, run_id in run_ids.items():
         page = make_share_page(database, store, run_id, data, parts)
-        write_share_page(page, folder / f"{slug}.html")
-        cards.append((f"{slug}.html", page.contents, _card(page)))
+        # A behaviour may have the index's name.
+        name = f"{slug}.html" if slug != "index" else "index-.html"
+        write_share_page(page, folder / name)
+        cards.append((name, page.contents, _card(page)))
     index = folder / "index.html"
     html = render("gallery.html.j2", parts=parts, tril=__version__, cards=cards)
     write_whole(index, html.encode())

@@ -20,6 +20,8 @@ MARGIN = 40
 GAP = 24
 PICTURES_HEIGHT = 396
 N_COLOURS = 128
+LONGEST_NAME = 46
+"""Characters of a behaviour's name that fit."""
 
 PAPER, INK, FAINT, ACCENT = "#131312", "#ecebe4", "#b5b1a6", "#c6d44a"
 """Those of the pages in the dark (frontend/src/styles/tokens.css)."""
@@ -43,7 +45,9 @@ def poster_of(contents: Contents, stills: Sequence[tuple[str, Screen]]) -> bytes
     top = MARGIN + PICTURES_HEIGHT + 52 if stills else HEIGHT // 3
     draw.rectangle((MARGIN, top, MARGIN + 6, top + 108), ACCENT)
     text = MARGIN + 24
-    name = textwrap.shorten(contents.behaviour.name, 46, placeholder="\u2026")
+    name = contents.behaviour.name
+    if len(name) > LONGEST_NAME:
+        name = name[: LONGEST_NAME - 1].rstrip() + "\u2026"
     draw.text((text, top - 8), name, INK, _font("DejaVuSans-Bold", 36))
     words = contents.verdict.sentence if contents.verdict else contents.behaviour.description
     lines = textwrap.wrap(words, 86, max_lines=2, placeholder=" \u2026")

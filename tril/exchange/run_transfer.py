@@ -17,6 +17,7 @@ from tril.analysis.outcome import (
     RewardState,
     RunOutcome,
     RunSnapshot,
+    ToldStatement,
 )
 from tril.demonstrators import kind_named
 from tril.exchange.behaviour_transfer import add_behaviour, describe, replay_all
@@ -468,6 +469,7 @@ def _outcome(outcome: RunOutcome, ids: Mapping[int, int]) -> RunOutcome:
             update={
                 "predicted_returns": {ids[k]: v for k, v in check.predicted_returns.items()},
                 "final_levels": {ids[k]: v for k, v in check.final_levels.items()},
+                "statements": [_about(statement, ids) for statement in check.statements],
             }
         )
     if example := outcome.example:
@@ -475,6 +477,16 @@ def _outcome(outcome: RunOutcome, ids: Mapping[int, int]) -> RunOutcome:
         moved = {name: _renumbered(getattr(example, name), ids) for name in lists}
         changed["example"] = example.model_copy(update=moved)
     return outcome.model_copy(update=changed)
+
+
+def _about(statement: ToldStatement, ids: Mapping[int, int]) -> ToldStatement:
+    """Return a statement whose moments are of the recordings by their ids here."""
+    moments = {"shown": statement.shown, "contrast": statement.contrast}
+    moved = {
+        name: moment and moment.model_copy(update={"recording_id": ids[moment.recording_id]})
+        for name, moment in moments.items()
+    }
+    return statement.model_copy(update=moved)
 
 
 def _moved(state: State, ids: Mapping[int, int]) -> State:

@@ -112,7 +112,7 @@ def test_a_page_loads_nothing_and_allows_only_its_own_style_and_script(
     page = Elements(made(workplace, run_id).html.decode())
     (policy,) = [a["content"] for a in page.of("meta") if "http-equiv" in a]
     assert policy is not None
-    assert policy.startswith("default-src 'none'; img-src data:;")
+    assert policy.startswith("default-src 'none'; img-src data:; font-src data:;")
     allowed = set(re.findall(r"'sha256-([^']+)'", policy))
     styles, run = page.inline["style"], page.inline["script"][-1]
     used = {

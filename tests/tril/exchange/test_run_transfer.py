@@ -28,6 +28,7 @@ from testsupport.workplace import Workplace, make_workplace
 from trainer.archive.run_archive import check_networks, write_archive
 from trainer.policy.networks import load_policy
 from tril.analysis.blind import BlindAnswer
+from tril.analysis.outcome import ShownMoment, ToldStatement
 from tril.errors import Conflict, Invalid
 from tril.exchange import example, run_archive, run_transfer
 from tril.exchange.example import BEHAVIOUR_NAME, open_example
@@ -55,6 +56,17 @@ def exported(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Workpla
         blind_answers.answer(session, run_id, owner, 1, 1, BlindAnswer.LEFT)
         blind_answers.answer(session, run_id, owner, 1, 1, BlindAnswer.ENDED)
         runs.describe(session, run_id, "Wide column", "Ann\u2019s games.\nAgain with more.")
+        row = runs.get(session, run_id)
+        assert row.outcome.check is not None
+        moments = [
+            ShownMoment(recording_id=made.ranked[place], first_frame=0, n_frames=60)
+            for place in (0, 3)
+        ]
+        told = ToldStatement(
+            sentence="FIRE held less", probability=0.8, shown=moments[0], contrast=moments[1]
+        )
+        check = row.outcome.check.model_copy(update={"statements": [told]})
+        row.outcome = row.outcome.model_copy(update={"check": check})
     path = folder / "run.zip"
     store = ArtifactStore(made.settings.artifact_root)
     write_archive(made.database, store, run_id, path, lambda _: b"", compact=True)
@@ -115,6 +127,12 @@ def results_of(database: Database, run_id: str) -> dict[str, Any]:
             "ranked": [(one.actions, one.taken, one.counters["shots"], one.end) for one in ranked],
             "perfect": [shown[number].actions for number in run.snapshot.perfect],
             "returns": [run.outcome.check.predicted_returns[one.id] for one in ranked],
+            "moments": [
+                shown[moment.recording_id].actions
+                for told in run.outcome.check.statements
+                for moment in (told.shown, told.contrast)
+                if moment
+            ],
             "headline": run.outcome.headline,
             "recipe": run.recipe,
             "versions": run.versions,
@@ -375,6 +393,12 @@ HOSTILE: dict[str, tuple[Callable[[Members], object], str]] = {
         "policy.n_envs must be",
     ),
     "an unknown kind of example": (changed(lambda r: r.update(example_kind="x")), "x"),
+    "a statement shown by a game that is not ranked": (
+        changed(
+            lambda r: r["outcome"]["check"]["statements"][0]["shown"].update(recording_id=7_000)
+        ),
+        "A statement names recordings that are not ranked",
+    ),
     "weights of another network": (
         with_weights(lambda w: w.update({"0.hidden.weight": np.zeros((64, 3), np.float32)})),
         "cannot be read",

@@ -230,6 +230,8 @@ def _contradictions(run: RunObject) -> Iterator[str]:
 def _references(run: RunObject) -> Iterator[tuple[str, Iterable[int]]]:
     if check := run.outcome.check:
         yield "The check", (*check.predicted_returns, *check.final_levels)
+        moments = (m for told in check.statements for m in (told.shown, told.contrast))
+        yield "A statement", (moment.recording_id for moment in moments if moment)
     if example := run.outcome.example:
         tiers = (*example.true_tiers, *example.given_tiers, *example.mistakes)
         yield "The example", (number for tier in tiers for number in tier)

@@ -66,7 +66,7 @@ _ALL = (
         "stay-up",
         "Stay up",
         "Keep the paddle in the upper half, wherever the ball is.",
-        InRegion(thing="player", area=Rectangle(0, 34, 160, 114), at_least=0.9),
+        InRegion(thing="player", area=Rectangle(0, 0, 160, 114), at_least=0.9),
     ),
     _behaviour(
         "pong",
