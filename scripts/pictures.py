@@ -54,15 +54,10 @@ def play(page: Page, behaviour: int) -> None:
     )
 
 
-def photograph(page: Page, path: str, name: str, anchor: str | None = None) -> None:
-    """Photograph a page, from a heading on where one is named."""
+def photograph(page: Page, path: str, name: str) -> None:
+    """Photograph a page."""
     page.goto(path)
     page.wait_for_timeout(4000)  # Games are replayed for their previews.
-    if anchor is not None:
-        page.get_by_role("heading", name=anchor, exact=True).evaluate(
-            "heading => window.scrollTo(0, heading.getBoundingClientRect().top + scrollY - 24)"
-        )
-        page.wait_for_timeout(1500)
     page.get_by_text("Working it out").wait_for(state="hidden")
     page.screenshot(path=FOLDER / f"{name}.png")
 
@@ -86,8 +81,6 @@ def main() -> None:
         play(page, behaviour)
         photograph(page, f"/behaviours/{behaviour}/rank", "rank")
         photograph(page, f"/runs/{run['id']}", "results")
-        section = f"/runs/{run['id']}#attention"
-        photograph(page, section, "attention", "What does the reward look at?")
 
 
 if __name__ == "__main__":

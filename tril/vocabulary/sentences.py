@@ -140,20 +140,21 @@ def phrase(words: Vocabulary, group: Group, weights: Array, game: Game) -> str:
         game: The game.
     """
     if group.source == "button":
-        amount = "more" if weights.sum() > 0 else "less"
-        return f"{game.controls.buttons[group.subject[0]]} held {amount}"
+        fact = _telling_fact(words, group, weights)
+        how = ("held {}", "pressed {} often")[fact].format("more" if weights[fact] > 0 else "less")
+        return f"{game.controls.buttons[group.subject[0]]} {how}"
     if group.source == "time":
         return f"the game going on {'longer' if weights.sum() > 0 else 'less long'}"
     if group.source == "memory":
         return _of_byte(words, group, weights, game)
     name = kind_name(words, group.subject[-1], game)
     if group.aspect == "count":
-        return f"{'more' if weights.sum() > 0 else 'fewer'} of {name}"
+        fact = _telling_fact(words, group, weights)
+        return f"{'more' if weights[fact] > 0 else 'fewer'} of {name}"
     if group.aspect == "moves":
-        directions = ("right", "left", "down", "up")
-        best = directions[int(np.argmax(np.abs(weights)))]
-        amount = "more" if weights[directions.index(best)] > 0 else "less"
-        return f"{name} moving {best} {amount}"
+        fact = _telling_fact(words, group, weights)
+        way = ("right", "left", "down", "up")[fact]
+        return f"{name} moving {way} {'more' if weights[fact] > 0 else 'less'}"
     if len(group.subject) == 1:
         return f"{name} {_range(group, weights, group.aspect)}"
     player = kind_name(words, group.subject[0], game)
@@ -189,6 +190,15 @@ def _offset(low: float | None, high: float | None, axis: str) -> str:
     if low >= 0:
         return f"{low:.0f} to {high:.0f} {after}"
     return f"between {-low:.0f} {before} and {high:.0f} {after}"
+
+
+def _telling_fact(words: Vocabulary, group: Group, weights: Array) -> int:
+    """Return the index of the fact of a group by which its weights tell varied games apart most.
+
+    Signs may differ within a group: who holds a button longer presses it less often.
+    """
+    columns = words.columns[words.groups.index(group)]
+    return int(np.argmax(np.abs(weights * words.pool[:, columns].std(0))))
 
 
 def _of_byte(words: Vocabulary, group: Group, weights: Array, game: Game) -> str:

@@ -148,6 +148,25 @@ def test_every_group_has_a_phrase_either_way(words: Vocabulary) -> None:
         assert all(text and "None" not in text for text in phrases)
 
 
+def test_a_button_that_is_held_longer_and_pressed_less_often_is_held_more(
+    words: Vocabulary,
+) -> None:
+    index = words.groups.index(Group("button", (0,), "held"))
+    held, pressed = words.pool[:, words.columns[index]].std(0)
+    game = game_named("pong")
+
+    def told(by_held: float, by_pressed: float) -> str:
+        """Return what weights say that move a varied game by so much."""
+        return phrase(
+            words, words.groups[index], np.array([by_held / held, by_pressed / pressed]), game
+        )
+
+    # A press is rare, so that its weight is the larger one by far.
+    assert told(0.5, -0.4) == "down held more"
+    assert told(-0.5, 0.4) == "down held less"
+    assert told(0.4, -0.5) == "down pressed less often"
+
+
 @pytest.mark.parametrize(
     ("best", "aspect", "text"),
     [

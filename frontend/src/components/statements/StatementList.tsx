@@ -112,11 +112,7 @@ function SaidOf({ answer }: { answer: StatementAnswer }) {
   return (
     <span className={answer.meant ? styles.meant : styles.rejected}>
       <Icon name={answer.meant ? "check" : "close"} />
-      {answer.meant ? (
-        <Trans>You said: this is it.</Trans>
-      ) : (
-        <Trans>You said: not this.</Trans>
-      )}
+      {answer.meant ? <Trans>You said: this is it.</Trans> : <Trans>You said: not this.</Trans>}
     </span>
   );
 }

@@ -237,8 +237,8 @@ function StepLink({
       </span>
       <span className={styles.caption}>
         {step.next && (
-          <span className={styles.nextWord}>
-            <Trans>next</Trans>{" "}
+          <span className={styles.nextWord} aria-hidden="true">
+            <Trans>Next:</Trans>{" "}
           </span>
         )}
         {step.caption}

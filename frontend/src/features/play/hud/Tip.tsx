@@ -12,8 +12,8 @@ export function Tip({ behaviour }: { behaviour: Behaviour }) {
     return (
       <p className={styles.tip}>
         <Trans>
-          Ranking takes at least two recordings. An agent usually learns well from seven: three at
-          your best, and four from good to hopeless.
+          Ranking takes at least two recordings. Ten usually tell what you mean: some at your best,
+          the others from good to hopeless.
         </Trans>
       </p>
     );
