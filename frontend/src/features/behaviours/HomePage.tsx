@@ -233,8 +233,8 @@ function countsOf(behaviour: Behaviour): string {
   return [
     plural(behaviour.n_recordings, { one: "# recording", other: "# recordings" }),
     // Borrowed ones, too, which are no recordings of this behaviour.
-    plural(behaviour.n_ranked, { one: "# game ranked", other: "# games ranked" }),
-    t`${behaviour.n_perfect} marked as perfect`,
+    t`${behaviour.n_ranked} ranked`,
+    t`${behaviour.n_perfect} starred`,
     ...(behaviour.n_runs > 0 ? [plural(behaviour.n_runs, { one: "# run", other: "# runs" })] : []),
   ].join(", ");
 }

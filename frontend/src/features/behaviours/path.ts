@@ -43,10 +43,7 @@ export function pathOf(behaviour: Counts, runs: readonly RunFacts[]): readonly P
       caption:
         behaviour.n_ranked === 0
           ? t`best to worst`
-          : [
-              plural(behaviour.n_ranked, { one: "# game ranked", other: "# games ranked" }),
-              t`${behaviour.n_perfect} marked as perfect`,
-            ].join(", "),
+          : [t`${behaviour.n_ranked} ranked`, t`${behaviour.n_perfect} starred`].join(", "),
     },
     {
       id: "train" as const,
