@@ -75,7 +75,7 @@ COMMANDS = {
     "runs": ("cli.commands.runs:app", "Training runs."),
     "gallery": (
         "cli.commands.share:gallery",
-        "Write a page for each behaviour with a finished run, and an index of them.",
+        "Write a page for each behaviour with a finished run, and index.html with a card for each.",
     ),
     "people": ("cli.commands.people:app", "Say who gets in."),
 }

@@ -103,7 +103,13 @@ OF_OWNER = {
 OF_WORKER = {"let_worker_in"}
 """Operations that only a worker's key may do."""
 STREAM = "stream_events"
-PUBLIC = {"name": "space_invaders", "round_number": 1, "pair": 1, "side": "left"}
+PUBLIC = {
+    "name": "space_invaders",
+    "round_number": 1,
+    "pair": 1,
+    "side": "left",
+    "part": "html",
+}
 """What parameters of paths name that is nobody's."""
 
 
