@@ -13,8 +13,9 @@ HEAD_PX = 200
 FIRST_LOAD_BYTES = 250_000
 FONT_BYTES = 60_000
 IN_A_BEHAVIOUR = ("play", "recordings", "rank", "train", "runs", "recording", "finished run")
+# A film strip is larger than what is seen of it.
 CONTENT_TOP = """() => Math.min(...[...document.querySelector('nav[aria-label=Path]').parentElement
-  .nextElementSibling.querySelectorAll('*')].map((one) => one.getBoundingClientRect())
+  .nextElementSibling.querySelectorAll(':not(img)')].map((one) => one.getBoundingClientRect())
   .filter((box) => box.height > 1).map((box) => box.top))"""
 
 
