@@ -137,9 +137,7 @@ describe("the first page", () => {
     });
     show(<HomePage />);
     const card = await screen.findByRole("article");
-    expect(
-      within(card).getByText("12 recordings, 12 ranked, 3 starred, 1 run"),
-    ).toBeVisible();
+    expect(within(card).getByText("12 recordings, 12 ranked, 3 starred, 1 run")).toBeVisible();
     expect(await within(card).findByText("Imitator hits 1.7 of 2 (1.3 to 2.0)")).toBeVisible();
     expect(screen.queryByRole("link", { name: "Play your first game" })).toBeNull();
   });
