@@ -234,7 +234,7 @@ def table_of(rows: Sequence[Mapping[str, Any]], pictures: str) -> str:
         pictures: Their folder, seen from the page.
     """
     lines = [
-        "# Eight games, from the empty page to an imitator",
+        "# Other games, from the empty page to an imitator",
         "",
         "`python -m benchmarks.games.taught FOLDER`, in a browser: six games of "
         f"{GAME_S} s by key events that hold the behaviour's keys from all of the time to none of "
