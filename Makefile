@@ -56,7 +56,7 @@ frontend: $(PAGE) ## build the page
 
 test: test-frontend test-unit test-e2e ## run all tests
 
-test-unit: $(DEV_STAMP) ## run the Python tests that need no browser
+test-unit: $(DEV_STAMP) frontend ## run the Python tests that need no browser
 	$(RUN_TESTS) -m "not e2e" --numprocesses auto --dist worksteal $(ARGS)
 
 test-postgres: $(DEV_STAMP) ## run the same on PostgreSQL, with a server that the tests start

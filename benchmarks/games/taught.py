@@ -136,9 +136,9 @@ class Player:
             dialog.get_by_label("Longest game, in seconds").fill(str(GAME_S), timeout=2_000)
         dialog.get_by_role("button", name="Create behaviour").click()
         self.page.wait_for_url("**/play")
-        found = re.search(r"/behaviours/(\d+)/", self.page.url)
-        assert found is not None
-        return int(found.group(1))
+        address = re.search(r"/behaviours/(\d+)/", self.page.url)
+        assert address is not None
+        return int(address.group(1))
 
     def _play(self, share: float, is_first: bool) -> int:
         """Play a game and keep it; returns its recording."""

@@ -59,9 +59,9 @@ def gallery(
     with open_workspace() as workspace:
         with workspace.database.reading() as session:
             shown = {
-                row.slug: found.id
+                row.slug: newest.id
                 for row in behaviours.listing(session)
-                if (found := runs.newest_done(session, row.id)) is not None
+                if (newest := runs.newest_done(session, row.id)) is not None
             }
         if not shown:
             raise Invalid("No behaviour has a finished run yet.")
@@ -80,7 +80,7 @@ def _run_id(session: Session, name: str) -> str:
     with contextlib.suppress(ValueError):
         return runs.get_done(session, str(UUID(name))).id
     behaviour = find_behaviour(session, name)
-    found = runs.newest_done(session, behaviour.id)
-    if found is None:
+    newest = runs.newest_done(session, behaviour.id)
+    if newest is None:
         raise Invalid(f"{behaviour.name} has no finished run yet.")
-    return found.id
+    return newest.id

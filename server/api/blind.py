@@ -90,18 +90,18 @@ def _finished(
     session: Session, who: Identity, run: RunRow, rounds: list[BlindRound]
 ) -> list[FinishedBlindRound]:
     views = RecordingViews(session, who, run.behaviour_id)
-    ids = {key for one in rounds for pair in one.judged for key in pair.sides}
+    ids = {key for blind_round in rounds for pair in blind_round.judged for key in pair.sides}
     rows = recordings.by_ids(session, ids)
     shown = {key: views.view(row) for key, row in rows.items()}
     return [
         FinishedBlindRound(
-            number=one.number,
+            number=blind_round.number,
             result=result,
             pairs=[
                 RevealedPair.of(pair, imitator=shown[pair.imitator_id], other=shown[pair.other_id])
-                for pair in one.judged
+                for pair in blind_round.judged
             ],
         )
-        for one in reversed(rounds)
-        if (result := blind_result([one.judged])) is not None
+        for blind_round in reversed(rounds)
+        if (result := blind_result([blind_round.judged])) is not None
     ]

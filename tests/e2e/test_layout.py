@@ -19,7 +19,7 @@ CONTENT_TOP = """() => Math.min(...[...document.querySelector('nav[aria-label=Pa
   .filter((box) => box.height > 1).map((box) => box.top))"""
 
 
-def test_what_a_page_shows_begins_high_on_a_phone(browser: Browser, every_page: EveryPage) -> None:
+def test_content_begins_high_on_a_phone(browser: Browser, every_page: EveryPage) -> None:
     tops = {}
     options = {"viewport": PHONE, "is_mobile": True, "has_touch": True}
     with signed_in(browser, every_page.server, "/", **options) as page:

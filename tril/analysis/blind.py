@@ -114,8 +114,9 @@ class BlindResult:
         """The result in words."""
         who = "" if self.n_people == 1 else f" by {self.n_people} people"
         parts = [
-            f"{one.wins:g} of {one.n} against the {_PLURALS.get(one.opponent, one.opponent)}"
-            for one in self.against
+            f"{score.wins:g} of {score.n} against the"
+            f" {_PLURALS.get(score.opponent, score.opponent)}"
+            for score in self.against
         ]
         pairs = "pair" if self.share.n == 1 else "pairs"
         return (

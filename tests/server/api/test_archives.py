@@ -11,7 +11,6 @@ from sqlalchemy import select
 from starlette.testclient import TestClient
 
 from server.archives import ArchiveMaker
-from server.web.pages import FRONTEND
 from testsupport.finished_runs import make_finished_run
 from testsupport.workplace import Workplace, make_workplace
 from trainer.archive.run_archive import write_archive
@@ -57,7 +56,6 @@ def test_a_finished_run_is_downloaded_as_one_zip_which_is_made_once(
     assert client.get(f"/api/runs/{run_id}/archive.zip").content != b"kept"
 
 
-@pytest.mark.skipif(not (FRONTEND / "share").is_dir(), reason="needs the built page")
 def test_a_finished_run_is_downloaded_as_a_page_with_its_poster(
     client: TestClient, workplace: Workplace
 ) -> None:

@@ -124,7 +124,7 @@ def _round(rows: list[BlindAnswerRow], others: dict[int, RecordingRow]) -> Blind
 
 def own_rounds(rounds: Iterable[BlindRound], player_id: int) -> tuple[list[BlindRound], BlindRound]:
     """Return a person's rounds that are over, in order, and the one that they are in or begin."""
-    own = [one for one in rounds if one.player_id == player_id]
+    own = [blind_round for blind_round in rounds if blind_round.player_id == player_id]
     if own and not own[-1].is_over:
         return own[:-1], own[-1]
     return own, BlindRound(player_id, own[-1].number + 1 if own else 1)
@@ -132,7 +132,10 @@ def own_rounds(rounds: Iterable[BlindRound], player_id: int) -> tuple[list[Blind
 
 def result_of(session: Session, run_id: str) -> BlindResult | None:
     """Return the result of a run's latest round of each person, of those that are over."""
-    latest = {one.player_id: one.judged for one in rounds_of(session, run_id) if one.is_over}
+    rounds = rounds_of(session, run_id)
+    latest = {
+        blind_round.player_id: blind_round.judged for blind_round in rounds if blind_round.is_over
+    }
     return blind_result(latest.values())
 
 
