@@ -36,12 +36,12 @@ def result_of(row: RecordingRow, behaviour: Behaviour, game: Game) -> str:
         game: The game as the behaviour sets it.
     """
     parts = []
-    found = score(behaviour, cells_of(row))
-    if found is not None and behaviour.target is not None:
-        parts.append(f"{found.targets} of {counted(len(behaviour.target), 'target')}")
-        parts.append(counted(found.strays, "stray") if found.strays else "no strays")
-        if found.order_errors:
-            parts.append(f"{counted(found.order_errors, 'hit')} out of order")
+    scored = score(behaviour, cells_of(row))
+    if scored is not None and behaviour.target is not None:
+        parts.append(f"{scored.targets} of {counted(len(behaviour.target), 'target')}")
+        parts.append(counted(scored.strays, "stray") if scored.strays else "no strays")
+        if scored.order_errors:
+            parts.append(f"{counted(scored.order_errors, 'hit')} out of order")
     elif game.items is None and row.score is not None:
         parts.append(f"score {row.score:g}")
     met = [measured.met for measured in measured_before(behaviour.measures, row.measured)]

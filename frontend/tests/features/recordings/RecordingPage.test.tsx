@@ -308,9 +308,10 @@ describe("the page of a recording", () => {
           .map(({ query }) => query.get("method"));
       await waitFor(() => expect(methods().length).toBeGreaterThan(1));
       expect(new Set(methods())).toEqual(new Set(["gradient"]));
-      expect(
-        await screen.findByRole("img", { name: /What the reward looks at in step/ }),
-      ).toBeVisible();
+      // The picture of a step goes with the next one.
+      await waitFor(() =>
+        expect(screen.getByRole("img", { name: /What the reward looks at in step/ })).toBeVisible(),
+      );
     });
 
     it("shows what a policy looks at, and by larger patches", async () => {
