@@ -186,7 +186,7 @@ def facts_read(understanding: Understanding) -> npt.NDArray[np.int64]:
     columns: set[int] = set()
     total = 0.0
     for statement in understanding.posterior.statements:
-        more = columns | set(statement.columns.tolist())
+        more = columns | set(statement.columns[statement.weights != 0].tolist())
         if columns and (total >= PROBABILITY_READ or len(more) > MOST_FACTS_READ):
             break
         columns = more

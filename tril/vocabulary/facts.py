@@ -29,6 +29,7 @@ from tril.vocabulary.kinds import (
     offset_to_nearest,
     places,
 )
+from tril.vocabulary.shapes import Shapes, shapes_of
 from tril.vocabulary.trace import Trace
 
 FORMAT_VERSION = 2
@@ -133,6 +134,11 @@ class Group:
     def n_facts(self) -> int:
         """Number of facts."""
         return _SIZES.get(self.aspect, len(self.edges) + 1)
+
+    @property
+    def shapes(self) -> Shapes:
+        """The shapes of statements about it."""
+        return shapes_of(self.n_facts, self.aspect in ORDERED)
 
     @property
     def prior_root(self) -> npt.NDArray[np.float64]:

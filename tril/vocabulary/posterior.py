@@ -1,15 +1,16 @@
 """What an order of games is about: a posterior over statements.
 
-A statement is one group of facts, or two together, whose weighted sum orders the games. Its weights
-have a Gaussian prior; the probability of the order is Plackett's and Luce's (Luce 1959), with ties
-as in Breslow's likelihood (Breslow 1974). The evidence of a statement is Laplace's (MacKay 1992),
-and values of games are averaged over statements (Hoeting et al. 1999). All statements are fitted at
-once, as batches of small Newton steps.
+A statement is one group of facts, or two together, whose weighted sum orders the games: all of a
+group's facts with weights of their own, or one of the sums that are its shapes. Weights have a
+Gaussian prior, or half of one where they are above 0; the probability of the order is Plackett's
+and Luce's (Luce 1959), with ties as in Breslow's likelihood (Breslow 1974). The evidence of a
+statement is Laplace's (MacKay 1992), and values of games are averaged over statements (Hoeting et
+al. 1999). Statements are fitted as batches of small Newton steps.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -25,8 +26,8 @@ Tiers = Sequence[Sequence[int]]
 PRIOR_SD = 3.0
 """Standard deviation of a statement's value over games, in log odds, before any order is seen."""
 N_PAIRED = 12
-"""Groups, the most probable first, that are tried two at a time."""
-N_KEPT = 40
+"""Parts, the most probable first, that are tried two at a time."""
+N_KEPT = 100
 """Statements that are kept."""
 MOST_NEWTON_STEPS = 12
 MOST_HALVINGS = 8
@@ -97,8 +98,8 @@ class Statement:
     Attributes:
         groups: Indices of the groups.
         probability: Of the statement among all, given the order.
-        columns: Its facts, int64 (n,).
-        weights: Of its standardised facts, float64 (n,).
+        columns: All facts of the groups, int64 (n,).
+        weights: Of the facts, float64 (n,); 0 for those that its shape leaves out.
     """
 
     groups: tuple[int, ...]
@@ -118,59 +119,147 @@ class Posterior:
     statements: tuple[Statement, ...]
 
 
+@dataclass(frozen=True, eq=False)
+class Part:
+    """What a statement weighs of one group of facts.
+
+    Attributes:
+        group: Index of the group.
+        columns: The group's facts, int64 (n_facts,).
+        basis: Weights of the facts by the part's own weights, float64 (n_facts, n_weights).
+        values: Of games, float64 (n_games, n_weights), centred, with a deviation of about 1.
+        log_prior: Log of its prior probability.
+        is_positive: Whether its weight is above 0.
+    """
+
+    group: int
+    columns: npt.NDArray[np.int64]
+    basis: Array
+    values: Array
+    log_prior: float
+    is_positive: bool = False
+
+    @property
+    def n_weights(self) -> int:
+        """Number of its own weights."""
+        return int(self.basis.shape[1])
+
+
 def infer(
-    values: Array,
-    groups: Sequence[npt.NDArray[np.int64]],
-    log_prior: Array,
+    parts: Sequence[Part],
     choices: Choices,
     allow: Callable[[Sequence[int]], bool] = lambda _: True,
-    paired: Sequence[int] = (),
+    paired: Collection[int] = (),
 ) -> Posterior:
     """Infer what an order is about.
 
     Args:
-        values: Standardised facts of each game, float64 (n_games, n_facts).
-        groups: Columns of each group.
-        log_prior: Log of the prior probability of each group; minus infinity where there is none.
+        parts: What statements may weigh; their log priors are minus infinity where they must not.
         choices: The order.
         allow: Tells whether a statement about some groups is possible.
-        paired: Groups that are tried two at a time, however improbable they are alone.
+        paired: Groups whose most probable part is tried in pairs, however improbable it is alone.
 
     Raises:
         NothingPossible: No statement is allowed.
     """
-    keys: list[tuple[int, ...]] = [(index,) for index in range(len(groups))]
-    log_p = np.asarray(log_prior, np.float64)
-    fits = _fit(values, groups, choices)
-    fitted = [fits.weights[index, : len(groups[index])] for index in range(len(groups))]
-    singles = log_p + fits.log_evidence
-    best = sorted({*np.argsort(-singles)[:N_PAIRED].tolist(), *paired})
-    pairs = [pair for pair in combinations(best, 2) if allow(pair)]
-    joint = [np.concatenate([groups[one], groups[other]]) for one, other in pairs]
-    if pairs:
-        fits = _fit(values, joint, choices)
-        fitted += [fits.weights[index, : len(columns)] for index, columns in enumerate(joint)]
-        keys += pairs
-        of_pairs = fits.log_evidence + [log_p[one] + log_p[other] for one, other in pairs]
-        log_joint = np.concatenate([singles, of_pairs])
-    else:
-        log_joint = singles
-    log_joint = np.where([allow(key) for key in keys], log_joint, -np.inf)
-    log_total = float(np.logaddexp.reduce(log_joint))
+    candidates = _fitted([(index,) for index in range(len(parts))], parts, choices)
+    by_probability = sorted(candidates, key=lambda one: -one.log_joint)
+    best = [one.parts[0] for one in by_probability[:N_PAIRED] if one.log_joint > -np.inf]
+    for group in paired:
+        best += [one.parts[0] for one in by_probability if parts[one.parts[0]].group == group][:1]
+    pairs = [
+        pair
+        for pair in combinations(dict.fromkeys(best), 2)
+        if parts[pair[0]].group != parts[pair[1]].group
+        and allow([parts[index].group for index in pair])
+    ]
+    candidates = [one for one in candidates if allow([parts[one.parts[0]].group])]
+    candidates += _fitted(pairs, parts, choices)
+    log_joint = np.array([one.log_joint for one in candidates])
+    log_total = float(np.logaddexp.reduce(log_joint)) if candidates else -np.inf
     if log_total == -np.inf:
         raise NothingPossible(NOTHING_LEFT)
-    columns_of = [*groups, *joint]
-    statements = tuple(
-        Statement(
-            keys[index],
-            float(np.exp(log_joint[index] - log_total)),
-            columns_of[index],
-            fitted[index],
+    statements = []
+    for index in np.argsort(-log_joint, kind="stable")[:N_KEPT].tolist():
+        if log_joint[index] == -np.inf:
+            break
+        candidate = candidates[index]
+        own = [parts[part] for part in candidate.parts]
+        ends = np.cumsum([part.n_weights for part in own])[:-1]
+        weights = np.split(candidate.weights, ends)
+        statements.append(
+            Statement(
+                tuple(part.group for part in own),
+                float(np.exp(log_joint[index] - log_total)),
+                np.concatenate([part.columns for part in own]),
+                np.concatenate([part.basis @ w for part, w in zip(own, weights, strict=True)]),
+            )
         )
-        for index in np.argsort(-log_joint)[:N_KEPT].tolist()
-        if log_joint[index] > -np.inf
-    )
-    return Posterior(statements)
+    return Posterior(tuple(statements))
+
+
+@dataclass(frozen=True)
+class _Candidate:
+    """A statement before all are known: indices of its parts, its evidence by its prior."""
+
+    parts: tuple[int, ...]
+    log_joint: float
+    weights: Array
+
+
+def _fitted(
+    keys: Sequence[tuple[int, ...]], parts: Sequence[Part], choices: Choices
+) -> list[_Candidate]:
+    """Fit statements about parts, those of one weight by themselves, as most have no more."""
+    found: list[_Candidate] = []
+    n_weights = [sum(parts[index].n_weights for index in key) for key in keys]
+    narrow = [key for key, n in zip(keys, n_weights, strict=True) if n == 1]
+    wide = [key for key, n in zip(keys, n_weights, strict=True) if n > 1]
+    for batch in filter(None, (narrow, wide)):
+        used = sorted({index for key in batch for index in key})
+        ends = np.cumsum([parts[index].n_weights for index in used])
+        values = np.concatenate([parts[index].values for index in used], axis=1)
+        columns = {
+            index: np.arange(end - parts[index].n_weights, end)
+            for index, end in zip(used, ends.tolist(), strict=True)
+        }
+        of_keys = [np.concatenate([columns[index] for index in key]) for key in batch]
+        fits = _fit(values, of_keys, choices)
+        for row, key in enumerate(batch):
+            own = [parts[index] for index in key]
+            weights = fits.weights[row, : len(of_keys[row])]
+            log_joint = float(fits.log_evidence[row]) + sum(part.log_prior for part in own)
+            first = 0
+            for part in own:
+                if part.is_positive:
+                    # Half of the Gaussian, twice as high.
+                    log_joint += np.log(2) if weights[first] > 0 else -np.inf
+                first += part.n_weights
+            found.append(_Candidate(key, log_joint, weights))
+    return found
+
+
+def evidence_of_one_step(
+    values: Array, choices: Choices, is_positive: npt.NDArray[np.bool_]
+) -> Array:
+    """Return about how much evidence there is for statements of one weight, float64 (n,).
+
+    Laplace's approximation by a single Newton step from 0, which all take at once.
+
+    Args:
+        values: Of games, one statement a column, float64 (n_games, n).
+        choices: The order.
+        is_positive: Which weights are above 0, bool (n,).
+    """
+    values, choices = _without_unused(values, choices)
+    p = choices.among / choices.among.sum(1, keepdims=True)
+    expected = p @ values
+    gradient = choices.weight @ (values[choices.chosen] - expected)
+    curvature = choices.weight @ (p @ values**2 - expected**2)
+    prior = 1 / PRIOR_SD**2
+    log_evidence = 0.5 * (gradient**2 / (curvature + prior) - np.log1p(curvature / prior))
+    possible: Array = np.where(is_positive & (gradient <= 0), -np.inf, log_evidence)
+    return possible
 
 
 class Evidence:

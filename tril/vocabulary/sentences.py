@@ -110,15 +110,14 @@ def _parts(
     The most important comes first; one that is about the same, or hardly matters beside it, is left
     out, unless it is meant.
     """
-    spread = words.spread(words.pool)
     parts: list[tuple[int, str, float]] = []
     begin = 0
     for index in statement.groups:
         group, columns = words.groups[index], words.columns[index]
         weights = statement.weights[begin : begin + group.n_facts]
         begin += group.n_facts
-        deviation = float(((words.pool[:, columns] / spread[columns]) @ weights).std())
-        parts.append((index, phrase(words, group, weights / spread[columns], game), deviation))
+        deviation = float((words.pool[:, columns] @ weights).std())
+        parts.append((index, phrase(words, group, weights, game), deviation))
     parts.sort(key=lambda part: -part[2])
     subjects = [subject_of(words, words.groups[index]) for index, _, _ in parts]
     if len(set(subjects)) == 1:
@@ -229,7 +228,10 @@ def _of_byte(words: Vocabulary, group: Group, weights: Array, game: Game) -> str
 
 def _direction(weights: Array) -> int:
     """Return 1 if the weights rise with the bins, -1 if they fall, 0 if they do neither."""
-    if len(weights) < 2 or not weights.std():
+    if len(weights) == 2:
+        return int(np.sign(weights[1] - weights[0]))
+    # Two values are a range, which has bounds.
+    if len(np.unique(weights)) < 3:
         return 0
     correlation = np.corrcoef(np.arange(len(weights)), weights)[0, 1]
     return 0 if abs(correlation) < MONOTONE else int(np.sign(correlation))
@@ -259,10 +261,11 @@ def _range(group: Group, weights: Array, aspect: str) -> str:
         return ways[aspect][direction > 0]
     low, high = _bounds(group, weights)
     unit = {"x": " px from the left", "y": " px from the top", "value": ""}[aspect]
+    less, more = ("below", "above") if aspect == "value" else ("less than", "more than")
     if low is None or high is None:
         if low is None and high is None:
             return "at some place"
-        return f"below {high:.0f}{unit}" if low is None else f"above {low:.0f}{unit}"
+        return f"{less} {high:.0f}{unit}" if low is None else f"{more} {low:.0f}{unit}"
     return f"between {low:.0f} and {high:.0f}{unit}"
 
 

@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from tril.errors import Invalid
 from tril.vocabulary.answers import Answer, Conditions
-from tril.vocabulary.facts import Vocabulary
+from tril.vocabulary.facts import SPREAD_FLOOR, Vocabulary
 from tril.vocabulary.moments import Contrast, Seconds, contrast
 from tril.vocabulary.posterior import (
     NOTHING_LEFT,
     Choices,
     Evidence,
     NothingPossible,
+    Part,
     Posterior,
     Statement,
     Tiers,
+    evidence_of_one_step,
     infer,
 )
 
@@ -35,6 +37,8 @@ Summaries = npt.NDArray[np.float32]
 BEST_EFFORT_WEIGHT = 0.25
 """How much it counts that a best effort is preferred to a varied game: people mean more than what
 makes their games differ from random play."""
+N_SHAPED = 300
+"""Statements of one weight that are looked at closely, of thousands."""
 N_COMPARED = 20
 """Varied games that the best efforts are compared with."""
 
@@ -46,13 +50,11 @@ class Understanding:
     Attributes:
         words: The vocabulary.
         posterior: What was inferred.
-        spread: What each fact was divided by, float64 (n_facts,).
         meant: Subjects that a person said they mean.
     """
 
     words: Vocabulary
     posterior: Posterior
-    spread: Array
     meant: frozenset[str] = frozenset()
 
     @property
@@ -65,8 +67,7 @@ class Understanding:
         rows = np.zeros((len(self.posterior.statements), self.words.n_facts))
         for row, statement in zip(rows, self.posterior.statements, strict=True):
             np.add.at(row, statement.columns, statement.weights)
-        scaled: Array = rows / self.spread
-        return scaled
+        return rows
 
     def contrast(
         self, statement: Statement, games: Sequence[Seconds], tiers: Tiers
@@ -87,8 +88,7 @@ class Understanding:
             statement: The statement.
             facts: Facts of each, (n, n_facts).
         """
-        columns = statement.columns
-        values: Array = facts[:, columns] @ (statement.weights / self.spread[columns])
+        values: Array = facts[:, statement.columns] @ statement.weights
         return values
 
     def mean_coefficients(self) -> Array:
@@ -125,19 +125,12 @@ def understand(
     games = _Games.of(words, summaries, best, answers)
     conditions, best_choices = games.conditions, games.best_choices(BEST_EFFORT_WEIGHT)
     choices = games.choices(tiers)
-    posterior = infer(
-        games.values,
-        words.columns,
-        conditions.log_prior(words),
-        choices if best_choices is None else choices + best_choices,
-        conditions.allow,
-        conditions.groups,
-    )
-    roots = [group.prior_root for group in words.groups]
-    statements = tuple(_coloured(one, roots) for one in posterior.statements)
-    return Understanding(
-        words, replace(posterior, statements=statements), words.spread(summaries), conditions.meant
-    )
+    if best_choices is not None:
+        choices = choices + best_choices
+    log_prior = conditions.log_prior(words)
+    parts = [*games.free_parts(log_prior), *games.shaped_parts(log_prior, choices)]
+    posterior = infer(parts, choices, conditions.allow, conditions.groups)
+    return Understanding(words, posterior, conditions.meant)
 
 
 def shuffles_as_good(
@@ -190,14 +183,19 @@ class _Games:
     """Games as statements see them.
 
     Attributes:
-        values: Standardised and whitened facts, float64 (n_games + n_varied, n_facts); the varied
-            games come last.
+        words: The vocabulary.
+        facts: Of the games and, last, of the varied ones, float64 (n_games + n_varied, n_facts).
+        values: The same, standardised and whitened.
+        spread: What each fact was divided by, float64 (n_facts,).
         n_games: Number of a person's games.
         best: Rows of the best efforts.
         conditions: What the answers leave possible.
     """
 
+    words: Vocabulary
+    facts: Array
     values: Array
+    spread: Array
     n_games: int
     best: Sequence[int]
     conditions: Conditions
@@ -210,16 +208,76 @@ class _Games:
         best: Sequence[int],
         answers: Sequence[Answer],
     ) -> _Games:
-        games = np.concatenate([summaries, words.pool[:N_COMPARED]]).astype(np.float64)
-        values = (games - games.mean(0)) / words.spread(summaries)
+        facts = np.concatenate([summaries, words.pool[:N_COMPARED]]).astype(np.float64)
+        spread = words.spread(summaries)
+        standardised = (facts - facts.mean(0)) / spread
         whitened = np.concatenate(
             [
-                values[:, columns] @ group.prior_root
+                standardised[:, columns] @ group.prior_root
                 for columns, group in zip(words.columns, words.groups, strict=True)
             ],
             1,
         )
-        return cls(whitened, len(summaries), best, Conditions.of(words, answers))
+        conditions = Conditions.of(words, answers)
+        return cls(words, facts, whitened, spread, len(summaries), best, conditions)
+
+    def free_parts(self, log_prior: Array) -> list[Part]:
+        """Return the parts of statements with a weight for each fact of a group.
+
+        Args:
+            log_prior: Log of the prior probability of each group.
+        """
+        parts: list[Part] = []
+        for index, (group, columns) in enumerate(
+            zip(self.words.groups, self.words.columns, strict=True)
+        ):
+            basis = group.prior_root / self.spread[columns, None]
+            log_p = float(log_prior[index] + np.log(group.shapes.free_share))
+            parts.append(Part(index, columns, basis, self.values[:, columns], log_p))
+        return parts
+
+    def shaped_parts(self, log_prior: Array, choices: Choices) -> list[Part]:
+        """Return the parts of statements with one weight that are worth a closer look.
+
+        Args:
+            log_prior: Log of the prior probability of each group.
+            choices: The order.
+        """
+        shapes = [group.shapes for group in self.words.groups]
+        columns = self.words.columns
+        values = np.concatenate(
+            [self.facts[:, own] @ one.sums for own, one in zip(columns, shapes, strict=True)], 1
+        )
+        pool = np.concatenate(
+            [self.words.pool[:, own] @ one.sums for own, one in zip(columns, shapes, strict=True)],
+            1,
+        )
+        known = np.concatenate([pool, values[: self.n_games]])
+        spread = np.maximum(known.std(0), SPREAD_FLOOR)
+        values = (values - values.mean(0)) / spread
+        n_shapes = [len(one.shares) for one in shapes]
+        group_of = np.repeat(np.arange(len(shapes)), n_shapes)
+        is_positive = np.repeat([one.is_positive for one in shapes], n_shapes)
+        log_p = log_prior[group_of] + np.log(np.concatenate([one.shares for one in shapes]))
+        log_joint = log_p + evidence_of_one_step(values, choices, is_positive)
+        first = np.cumsum([0, *n_shapes])
+        parts: list[Part] = []
+        for index in np.argsort(-log_joint, kind="stable")[:N_SHAPED].tolist():
+            if log_joint[index] == -np.inf:
+                break
+            group = int(group_of[index])
+            basis = shapes[group].sums[:, [index - first[group]]] / spread[index]
+            parts.append(
+                Part(
+                    group,
+                    columns[group],
+                    basis,
+                    values[:, [index]],
+                    float(log_p[index]),
+                    bool(is_positive[index]),
+                )
+            )
+        return parts
 
     def choices(self, tiers: Tiers) -> Choices:
         """Return the choices of an order."""
@@ -234,14 +292,3 @@ class _Games:
         n_rows = len(self.values)
         tiers = [list(self.best), list(range(self.n_games, n_rows))]
         return Choices.of_tiers(tiers, n_rows, weight)
-
-
-def _coloured(statement: Statement, roots: Sequence[Array]) -> Statement:
-    """Return a statement whose weights are of the facts, from one of whitened facts."""
-    parts: list[Array] = []
-    begin = 0
-    for group in statement.groups:
-        root = roots[group]
-        parts.append(root @ statement.weights[begin : begin + len(root)])
-        begin += len(root)
-    return replace(statement, weights=np.concatenate(parts))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import zlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ import numpy.typing as npt
 from benchmarks.learning.behaviours import suite
 from benchmarks.learning.behaviours.suite import TASKS, Task
 from tril.games import game_named
-from tril.games.base import Game
+from tril.games.base import Game, Start
 from tril.recording import Recording, replay
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.making import vocabulary_key, vocabulary_of
@@ -103,7 +103,7 @@ def load_games(folder: Path, name: str, tasks: Sequence[Task]) -> PlayedGames:
             n_frames, of_games = arrays["n_frames"].tolist(), arrays["summaries"]
             worths += list(arrays["worths"])
         for row, frames, summary in zip(rows, n_frames, of_games, strict=True):
-            recordings.append(_recording(row, game).until(frames))
+            recordings.append(from_row(row, game).until(frames))
             task_of.append(index)
             is_best.append(row["best"])
             summaries.append(summary)
@@ -119,7 +119,13 @@ def load_games(folder: Path, name: str, tasks: Sequence[Task]) -> PlayedGames:
     )
 
 
-def _recording(row: dict[str, Any], game: Game) -> Recording:
+def to_row(start: Start, actions: bytes) -> dict[str, Any]:
+    """Return a game as JSON, which `from_row` reads."""
+    return {"start": start.to_json(), "actions": zlib.compress(actions).hex()}
+
+
+def from_row(row: Mapping[str, Any], game: Game) -> Recording:
+    """Return a recording that `to_row` or a player wrote."""
     actions = zlib.decompress(bytes.fromhex(row["actions"]))
     return Recording(game, game.starts.parse(row["start"]), actions)
 
@@ -137,7 +143,7 @@ def _look_at(
     summaries: list[npt.NDArray[np.float32]] = []
     worths: list[list[float]] = []
     for row in rows:
-        recording = _recording(row, game)
+        recording = from_row(row, game)
         # A player that looks ahead goes on from restored states, which not every game restores to
         # the last bit: what was played after such a state may end earlier.
         n_frames.append(replay(recording, console).n_frames)

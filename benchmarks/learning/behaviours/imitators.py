@@ -1,10 +1,12 @@
 """What becomes of a behaviour that is taught by ranked games and best efforts, in any game.
 
     python -m benchmarks.learning.behaviours.imitators FOLDER --games pong freeway
+    python -m benchmarks.learning.behaviours.imitators FOLDER --games pong --recipe paper
 
-Reward, clone and imitator are learned by the recipe `any`, and play from evaluation starts with
-sticky actions. Their games are judged by the truth of the behaviour, beside the person's. Prints a
-line for each behaviour, and appends it to a file as JSON.
+Reward, clone and imitator are learned by a recipe, and play from evaluation starts with sticky
+actions, beside a tape of the best efforts. Their games are judged by the truth of the behaviour,
+as the person's are. Prints a line for each behaviour, and appends it to a file as JSON; the
+folder keeps a game of each player for `benchmarks.learning.behaviours.pages`.
 """
 
 from __future__ import annotations
@@ -14,6 +16,8 @@ import json
 import tempfile
 import time
 import zlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -21,10 +25,17 @@ import numpy as np
 import numpy.typing as npt
 import torch
 
-from benchmarks.learning.behaviours.games import PlayedGames, load_games, tasks_of, worth_of
+from benchmarks.learning.behaviours.games import (
+    PlayedGames,
+    load_games,
+    path_of,
+    tasks_of,
+    to_row,
+    worth_of,
+)
 from benchmarks.learning.behaviours.orders import ranked_by_person
 from trainer.policy.cloning import train_clone
-from trainer.policy.evaluation import Actor, beginnings, play
+from trainer.policy.evaluation import Actor, EvaluatedGame, beginnings, play
 from trainer.policy.imitation import ImitationTask
 from trainer.policy.imitator import train_imitator
 from trainer.policy.networks import Policy, load_policy, save_policy
@@ -39,11 +50,64 @@ from trainer.reward.preference_dataset import (
 from trainer.reward.reward_trainer import train_reward_model
 from trainer.reward.statements import understanding_of
 from trainer.runtime.run_data import N_VARIED
+from tril.games.base import Controls, Opening, Start
 from tril.recipes import recipe_named, with_values
-from tril.recording import trajectory
+from tril.recording import Recording, Trajectory, trajectory
 from tril.vocabulary.making import varied_games
 from tril.vocabulary.sentences import tell
 from tril.vocabulary.trace import trace
+
+
+@dataclass(frozen=True)
+class Judged:
+    """Games of a policy from the evaluation starts.
+
+    Attributes:
+        worths: Worth of each game by the behaviour, float64 (n_games,).
+        games: The games.
+    """
+
+    worths: npt.NDArray[np.float64]
+    games: Sequence[EvaluatedGame]
+
+    @property
+    def median(self) -> Recording:
+        """The game of median worth."""
+        return self.games[int(np.argsort(self.worths)[len(self.games) // 2])].recording
+
+    def figures(self) -> dict[str, float]:
+        """Return the mean worth and the share of games that were lost."""
+        died = float(np.mean([one.died for one in self.games]))
+        return {"worth": float(self.worths.mean()), "died": died}
+
+
+class Tape:
+    """Replays, in one game, the best effort that begins most like it.
+
+    Args:
+        best: The best efforts.
+        controls: The game's actions.
+    """
+
+    def __init__(self, best: Sequence[Trajectory], controls: Controls) -> None:
+        self._best = best
+        self._controls = controls
+        self._actions: npt.NDArray[np.int64] | None = None
+        self._step = 0
+
+    def probabilities(self, observations: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
+        """Return 1 for the tape's next action, float32 (1, n_actions); then noop."""
+        if self._actions is None:
+            apart = [
+                np.abs(one.observations[0].astype(np.int16) - observations[0]).mean()
+                for one in self._best
+            ]
+            self._actions = self._best[int(np.argmin(apart))].actions
+        chosen = np.zeros((1, self._controls.n_actions), np.float32)
+        is_over = self._step >= len(self._actions)
+        chosen[0, self._controls.noop if is_over else self._actions[self._step]] = 1
+        self._step += 1
+        return chosen
 
 
 class Taught:
@@ -55,6 +119,7 @@ class Taught:
         n_ranked: Games that are ranked.
         n_best: Best efforts.
         seed: Draws them, and seeds the training.
+        recipe: The recipe.
         changes: Of the recipe, by path.
     """
 
@@ -65,12 +130,13 @@ class Taught:
         n_ranked: int,
         n_best: int,
         seed: int,
+        recipe: str,
         changes: dict[str, Any],
     ) -> None:
         self.played = played
         self.task = played.tasks[task]
         self.seed = seed
-        self.recipe = with_values(recipe_named("any", played.game.pretrained), changes)
+        self.recipe = with_values(recipe_named(recipe, played.game.pretrained), changes)
         rng = np.random.default_rng(
             zlib.crc32(f"{played.game.name}{self.task.name}{seed}".encode())
         )
@@ -106,27 +172,37 @@ class Taught:
         played = trace(recording, self._console, self.played.words.background)
         return trajectory(recording, self._console), self.played.words.facts(played)
 
-    def judge(self, actor: Actor) -> dict[str, float]:
+    def judge(self, actor: Actor) -> Judged:
         """Let a policy play from the evaluation starts, with sticky actions."""
+        return self._judged(play(self.played.game, actor, self._starts(), "sticky", n_processes=1))
+
+    def judge_tape(self, best: Sequence[Trajectory]) -> Judged:
+        """Let tapes of the best efforts play from the evaluation starts, with sticky actions."""
         game = self.played.game
-        numbers = range(game.starts.n_evaluation)
-        starts = beginnings(game, self.recipe.evaluation, list(numbers))
-        games = play(game, actor, starts, "sticky", n_processes=1)
+        tapes = [(Tape(best, game.controls), one) for one in self._starts()]
+        return self._judged(
+            [play(game, tape, [one], "sticky", n_processes=1)[0] for tape, one in tapes]
+        )
+
+    def _starts(self) -> list[Start | Opening]:
+        game = self.played.game
+        # Those of `any` for every recipe, so that all are judged alike.
+        recipe = recipe_named("any", game.pretrained).evaluation
+        return beginnings(game, recipe, list(range(game.starts.n_evaluation)))
+
+    def _judged(self, games: Sequence[EvaluatedGame]) -> Judged:
+        horizon = self.played.game.clock.max_steps
         worths = []
         for one in games:
             seen = trace(one.recording, self._console, self.played.words.background)
-            worths.append(worth_of(self.task, seen, game.clock.max_steps))
-        return {
-            "worth": float(np.mean(worths)),
-            "died": float(np.mean([one.died for one in games])),
-        }
+            worths.append(worth_of(self.task, seen, horizon))
+        return Judged(np.array(worths), games)
 
-    def run(self, steps: int) -> dict[str, Any]:
-        """Teach it; returns the figures."""
+    def run(self, steps: int) -> tuple[dict[str, Any], dict[str, Judged]]:
+        """Teach it; returns the figures and the games of imitator, clone and tape."""
         began = time.monotonic()
         dataset = self.dataset()
-        understood = understanding_of(dataset)
-        told = tell(self.played.words, understood.posterior, self.played.game)
+        told = self._told(dataset)
         model = train_reward_model(dataset, self.seed, NullProgress())
         check, model = check_ranking(model, dataset, self.seed, NullProgress())
         reward_s = time.monotonic() - began
@@ -155,26 +231,60 @@ class Taught:
             train_imitator(task, imitator_path, scratch, NullProgress(), n_processes=1)
             imitator = load_policy(imitator_path)
         seconds = time.monotonic() - began
-        return {
+        judged = {
+            "imitator": self.judge(imitator),
+            "clone": self.judge(Policy(clone)),
+            "tape": self.judge_tape(best),
+        }
+        figures = {
             "game": self.played.game.name,
             "task": self.task.name,
             "half": self.task.half,
+            "recipe": self.recipe.name,
             "ranked": len(self.ranked),
             "best": len(self.best),
             "seed": self.seed,
             "steps": steps,
-            "told": [f"{one.probability:.2f} {one.sentence}" for one in told],
+            "told": told,
             "passed": check.passed,
             "tau": check.tau,
             "held_out": check.held_out_accuracy,
-            "imitator": self.judge(imitator),
-            "clone": self.judge(Policy(clone)),
+            **{player: games.figures() for player, games in judged.items()},
             "best_efforts": float(self.worth[self.best].mean()),
             "ranked_games": float(self.worth[self.ranked].mean()),
             "reward_s": round(reward_s),
             "clone_s": round(clone_s),
             "seconds": round(seconds),
         }
+        return figures, judged
+
+    def _told(self, dataset: PreferenceDataset) -> list[str]:
+        if self.recipe.reward.method != "statement":
+            return []
+        posterior = understanding_of(dataset).posterior
+        told = tell(self.played.words, posterior, self.played.game)
+        return [f"{one.probability:.2f} {one.sentence}" for one in told]
+
+    def keep(self, path: Path, figures: dict[str, Any], judged: Mapping[str, Judged]) -> None:
+        """Write the figures, and games that a page shows: ranked ones and each player's median.
+
+        Args:
+            path: The file, of JSON.
+            figures: As `run` returns them.
+            judged: As `run` returns them.
+        """
+        rows = [self.played.recordings[row] for row in self.ranked]
+        best = self.played.recordings[max(self.best, key=lambda row: float(self.worth[row]))]
+        games = {
+            "ranked": [to_row(one.start, one.actions) for one in rows],
+            "ranked_worths": self.worth[self.ranked].tolist(),
+            "best_effort": to_row(best.start, best.actions),
+        }
+        of_players = {
+            player: to_row(games.median.start, games.median.actions)
+            for player, games in judged.items()
+        }
+        path.write_text(json.dumps(figures | {"games": games | of_players}), encoding="utf-8")
 
 
 def main() -> None:
@@ -184,6 +294,7 @@ def main() -> None:
     parser.add_argument("--half", choices=("development", "report"), default="development")
     parser.add_argument("--games", nargs="*", default=())
     parser.add_argument("--tasks", nargs="*", default=())
+    parser.add_argument("--recipe", choices=("any", "paper", "gail"), default="any")
     parser.add_argument("--ranked", type=int, default=12)
     parser.add_argument("--best", type=int, default=12)
     parser.add_argument("--steps", type=int, default=300_000)
@@ -198,13 +309,24 @@ def main() -> None:
         played = load_games(arguments.folder, name, asked)
         for index in range(len(asked)):
             taught = Taught(
-                played, index, arguments.ranked, arguments.best, arguments.seed, changes
+                played,
+                index,
+                arguments.ranked,
+                arguments.best,
+                arguments.seed,
+                arguments.recipe,
+                changes,
             )
-            line = json.dumps(taught.run(arguments.steps) | {"changes": changes})
+            figures, judged = taught.run(arguments.steps)
+            figures |= {"changes": changes}
+            line = json.dumps(figures)
             print(line, flush=True)
             if arguments.ledger:
                 with arguments.ledger.open("a") as file:
                     file.write(line + "\n")
+            kept = f"{arguments.recipe}-{arguments.seed}.trained"
+            path = path_of(arguments.folder, asked[index]).with_suffix(f".{kept}.json")
+            taught.keep(path, figures, judged)
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.learning.behaviours.games import path_of
+from benchmarks.learning.behaviours.games import path_of, to_row
 from benchmarks.learning.behaviours.suite import TASKS, Task
 from tril.games import game_named
 from tril.games.base import Console, draw_start
@@ -167,8 +167,7 @@ def play_games(task: Task, n_graded: int, n_best: int) -> list[dict[str, Any]]:
             {
                 "skill": skill,
                 "best": is_best,
-                "start": player.episode.start.to_json(),
-                "actions": zlib.compress(player.episode.actions).hex(),
+                **to_row(player.episode.start, player.episode.actions),
                 "worth": player.worth,
                 "died": player.episode.died,
             }

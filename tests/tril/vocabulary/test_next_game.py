@@ -34,7 +34,7 @@ def choose(
         Telling(f"fact {fact}", one.probability, one.groups, (str(fact),), one)
         for fact, one in enumerate(statements)
     ]
-    understanding = Understanding(words, Posterior(tuple(statements)), np.ones(3))
+    understanding = Understanding(words, Posterior(tuple(statements)))
     ranked = np.repeat(np.arange(1, 5, dtype=np.float32)[:, None], 3, axis=1)
     return next_game(understanding, tellings, ranked, np.array(unranked, np.float32).reshape(-1, 3))
 
