@@ -36,16 +36,17 @@ async function accentOfPicture(url: string): Promise<Accent | null> {
   picture.src = url;
   try {
     await picture.decode();
+    const { naturalWidth: width, naturalHeight: height } = picture;
+    // Browsers of before 2023 have none.
+    const canvas = new OffscreenCanvas(width, height);
+    const context = canvas.getContext("2d");
+    if (!context || backgrounds.length < BACKGROUNDS.length) return null;
+    context.drawImage(picture, 0, 0);
+    return accentOf(context.getImageData(0, 0, width, height).data, {
+      light: backgrounds.map(({ light }) => light),
+      dark: backgrounds.map(({ dark }) => dark),
+    });
   } catch {
     return null;
   }
-  const { naturalWidth: width, naturalHeight: height } = picture;
-  const canvas = new OffscreenCanvas(width, height);
-  const context = canvas.getContext("2d");
-  if (!context || backgrounds.length < BACKGROUNDS.length) return null;
-  context.drawImage(picture, 0, 0);
-  return accentOf(context.getImageData(0, 0, width, height).data, {
-    light: backgrounds.map(({ light }) => light),
-    dark: backgrounds.map(({ dark }) => dark),
-  });
 }
