@@ -7,6 +7,7 @@ from tril.recipes.changes import (
     changed_values,
     checked,
     evaluated_on_own_start,
+    former_method,
     recipe_from_dict,
     with_values,
 )
@@ -38,6 +39,7 @@ __all__ = [
     "changed_values",
     "checked",
     "evaluated_on_own_start",
+    "former_method",
     "recipe_from_dict",
     "recipe_named",
     "recipes_for",

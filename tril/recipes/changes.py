@@ -103,6 +103,12 @@ def checked(recipe: Recipe) -> Recipe:
     return replace(today, method=recipe.method) if "method" in former else today
 
 
+def former_method(recipe: Recipe) -> str | None:
+    """Return the method of a recipe that can no longer be trained; None if it can be."""
+    values = _by_path(recipe)
+    return next((name for path, (name, _) in FORMER_METHODS.items() if values[path] == name), None)
+
+
 def changed_values(recipe: Recipe, original: Recipe) -> dict[str, Any]:
     """Return the values, by dotted path, with which with_values turns the original into the recipe.
 

@@ -9,6 +9,7 @@ from sqlalchemy import ColumnElement, func, select
 from sqlalchemy.orm import Session
 
 from tril.errors import Conflict, NotFound
+from tril.recipes import former_method, recipe_from_dict
 from tril.store import audit, processes
 from tril.store.changes import note_change
 from tril.store.database import database_now
@@ -190,7 +191,7 @@ def queue_again(session: Session, run_id: str) -> RunRow:
     """Queue a cancelled, stopped or failed run again; one that the check stopped goes on anyway.
 
     Raises:
-        Conflict: The run is done, or not over yet.
+        Conflict: The run is done, or not over yet, or this version cannot train by its recipe.
     """
     row = get(session, run_id, for_update=True)
     status = RunStatus(row.status)
@@ -198,6 +199,12 @@ def queue_again(session: Session, run_id: str) -> RunRow:
         raise Conflict("This run is done. Start a new one to train again.")
     if not status.is_over:
         raise Conflict(f"This run is not over yet ({status}); there is nothing to resume.")
+    recipe = recipe_from_dict(row.recipe)
+    if (method := former_method(recipe)) is not None:
+        raise Conflict(
+            f"This run was trained by the method {method!r}, which this version of Tril does not"
+            " have any more. Start a new run with one of today's recipes."
+        )
     row.go_on_anyway = row.go_on_anyway or status is RunStatus.STOPPED
     row.status, row.message = RunStatus.QUEUED, ""
     row.finished_at, row.remaining_s = None, None

@@ -9,6 +9,7 @@ from sqlalchemy import update
 
 from testsupport.workplace import TINY, Workplace
 from tril.errors import Conflict, NotFound
+from tril.recipes import PAPER
 from tril.store import processes
 from tril.store.models import RunRow, RunStatus, now
 from tril.store.training import leases, runs
@@ -154,6 +155,26 @@ def test_a_run_that_is_not_over_or_done_is_not_resumed(workplace: Workplace) -> 
         runs.queue_again(session, run_id)
     with pytest.raises(Conflict, match="already over"), workplace.database.writing() as session:
         runs.request_cancel(session, run_id)
+
+
+@pytest.mark.parametrize(
+    "former", [{"method": "dagger"}, {"reward": PAPER.to_dict()["reward"] | {"method": "fast"}}]
+)
+def test_a_run_by_a_method_of_before_is_refused_at_once(
+    workplace: Workplace, former: dict[str, object]
+) -> None:
+    run_id = workplace.make_run()
+    lease = workplace.lease(run_id)
+    with workplace.database.writing() as session:
+        leases.end(session, lease, RunStatus.FAILED, "broken")
+        row = runs.get(session, run_id)
+        row.recipe = row.recipe | former
+    with (
+        pytest.raises(Conflict, match="does not have any more"),
+        workplace.database.writing() as session,
+    ):
+        runs.queue_again(session, run_id)
+    assert workplace.run(run_id).status == RunStatus.FAILED
 
 
 def test_deleting_waits_for_the_end_and_hides_the_run(workplace: Workplace) -> None:
