@@ -200,6 +200,7 @@ def understand_ranking(
                 shown=statement.shown,
                 contrast=statement.contrast,
                 kinds=list(statement.told.kinds),
+                detail=statement.told.detail,
                 pictures=[
                     picture.format(kind) for kind in statement.told.kinds if kind in pictured
                 ],

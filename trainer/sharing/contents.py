@@ -13,7 +13,7 @@ from trainer.sharing.figures import Figure, figures_of
 from trainer.sharing.words import result_of
 from tril.analysis.outcome import ToldStatement
 from tril.analysis.verdict import Verdict
-from tril.errors import NotFound
+from tril.errors import Invalid, NotFound
 from tril.files.artifact_store import ArtifactStore
 from tril.games import game_of
 from tril.games.base import Console, Game
@@ -27,7 +27,9 @@ from tril.store.training.alarms import alarm_of
 from tril.store.training.demonstrations import best_demonstration
 from tril.store.training.judged_games import PLAYERS
 from tril.store.training.verdicts import verdict_of
-from tril.vocabulary.making import pictures_path
+from tril.vocabulary.answers import kinds_about
+from tril.vocabulary.facts import Vocabulary
+from tril.vocabulary.making import pictures_path, vocabulary_path
 from tril.vocabulary.pictures import read_picture
 
 MOST_STATEMENTS = 3
@@ -222,13 +224,18 @@ def _about(run: RunRow, games: Sequence[EvaluationRow], n_ranked: int) -> tuple[
 
 def _statements(told: Sequence[ToldStatement], data: Path, game: Game) -> tuple[Statement, ...]:
     path = pictures_path(data, game)
+    try:
+        words = Vocabulary.load(vocabulary_path(data, game))
+    except Invalid:
+        # There are no pictures either before Tril has learned to see the game.
+        return tuple(Statement(one.sentence, one.probability, ()) for one in told[:MOST_STATEMENTS])
     return tuple(
         Statement(
             statement.sentence,
             statement.probability,
             tuple(
                 picture
-                for kind in statement.kinds
+                for kind in kinds_about(words, statement.subjects)
                 if (picture := read_picture(path, kind)) is not None
             ),
         )

@@ -126,8 +126,9 @@ class ToldStatement(Stored):
             earlier versions made.
         shown: A moment of a better game in which it holds most; None where nothing differs.
         contrast: A moment of a worse game in which it holds least.
-        kinds: Kinds of things that it is about, by their indices in the game's vocabulary; empty
-            in runs of earlier versions.
+        kinds: Kinds of things that it is about, by their indices in the game's vocabulary as it was
+            then; empty in runs of earlier versions.
+        detail: Bytes of memory that it was read from, for experts; empty if from none.
     """
 
     sentence: str
@@ -136,6 +137,7 @@ class ToldStatement(Stored):
     shown: ShownMoment | None = None
     contrast: ShownMoment | None = None
     kinds: list[int] = []
+    detail: str = ""
 
 
 class CheckVerdict(CheckFigures):

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from tril.vocabulary.facts import Group, Vocabulary
-from tril.vocabulary.kinds import Kind
+from tril.vocabulary.facts import Vocabulary
+from tril.vocabulary.groups import Group
+from tril.vocabulary.kinds import Kind, Look
 
 MOST_SUBJECTS = 2
 """Of a statement."""
+_LOOK = re.compile(r"(\d+):(\d+)-(\d+)x(\d+)-(\d+)")
 
 
 @dataclass(frozen=True)
@@ -31,20 +34,81 @@ class Answer:
 def subject_of(words: Vocabulary, group: Group) -> str:
     """Return what a group is about: "thing 12:7-8x10-10 x", "memory 28 changes", "time played".
 
-    It names a thing by its colour and size, so that it means the same in another vocabulary of the
-    game. A byte that follows a thing is that thing.
+    It names a thing by its most frequent look, its colour and size, so that it means the same in
+    another vocabulary of the game. A byte that tells a thing's place is that thing.
     """
     if group.twin is not None:
-        return f"thing {_kind(words.kinds[group.twin.kind])} {group.twin.axis}"
+        aspect = group.twin.axis if group.aspect == "value" else "moves"
+        return f"thing {_kind(words.kinds[group.twin.kind])} {aspect}"
     if group.source == "thing":
         kinds = " ~ ".join(_kind(words.kinds[index]) for index in group.subject)
         return f"thing {kinds} {group.aspect}"
     return " ".join([group.source, *map(str, group.subject), group.aspect])
 
 
+def known_subject(words: Vocabulary, subject: str) -> str:
+    """Return a subject as a vocabulary has it, if another vocabulary of the game named it.
+
+    There a thing may have had another of its looks as the most frequent one, or was several, and a
+    byte may not have told a place.
+    """
+    source, *rest = subject.split()
+    if source == "memory":
+        for group in words.groups:
+            is_twin = group.twin is not None and rest[0] == str(group.subject[0])
+            if is_twin and rest[1] in (group.aspect, "bits"):
+                return subject_of(words, group)
+        return subject
+    if source != "thing":
+        return subject
+    return " ".join([source, *(_known_look(words, word) for word in rest)])
+
+
+def kinds_about(words: Vocabulary, subjects: Sequence[str]) -> tuple[int, ...]:
+    """Return the kinds of things that subjects are about; for a relation, that of the other thing.
+
+    Args:
+        words: A vocabulary of the game.
+        subjects: Subjects, in the terms of any vocabulary of the game.
+    """
+    kinds: list[int] = []
+    for subject in subjects:
+        named = known_subject(words, subject).split()
+        looks = [word for word in named if ":" in word]
+        kinds += [i for i, kind in enumerate(words.kinds) if looks[-1:] == [_kind(kind)]]
+    return tuple(dict.fromkeys(kinds))
+
+
+def _known_look(words: Vocabulary, word: str) -> str:
+    """Return the look by which a vocabulary names a thing that has this one; the word if none."""
+    parsed = _LOOK.fullmatch(word)
+    if parsed is None:
+        return word
+    colour, *sizes = map(int, parsed.groups())
+    named = Look(colour, (sizes[0], sizes[1]), (sizes[2], sizes[3]))
+    names = [_kind(kind) for kind in words.kinds]
+    if word in names:
+        return word
+    for kind, name in zip(words.kinds, names, strict=True):
+        if any(_overlap(look, named) for look in kind.looks):
+            return name
+    return word
+
+
+def _overlap(look: Look, other: Look) -> bool:
+    return look.colour == other.colour and all(
+        low <= other_high and other_low <= high
+        for (low, high), (other_low, other_high) in (
+            (look.width, other.width),
+            (look.height, other.height),
+        )
+    )
+
+
 def _kind(kind: Kind) -> str:
-    (narrow, wide), (low, high) = kind.width, kind.height
-    return f"{kind.colour}:{narrow}-{wide}x{low}-{high}"
+    look = kind.looks[0]
+    (narrow, wide), (low, high) = look.width, look.height
+    return f"{look.colour}:{narrow}-{wide}x{low}-{high}"
 
 
 @dataclass(frozen=True)
@@ -74,7 +138,11 @@ class Conditions:
             answers: The answers, the latest last.
         """
         subjects = tuple(subject_of(words, group) for group in words.groups)
-        known = [answer for answer in answers if answer.subjects <= set(subjects)]
+        renamed = [
+            replace(answer, subjects=frozenset(known_subject(words, s) for s in answer.subjects))
+            for answer in answers
+        ]
+        known = [answer for answer in renamed if answer.subjects <= set(subjects)]
         meant: frozenset[str] = frozenset()
         for answer in reversed(known):
             if answer.meant and len(meant | answer.subjects) <= MOST_SUBJECTS:

@@ -16,6 +16,8 @@ from tril.games.base import Screen
 MIN_AREA_PX = 3
 MIN_HEIGHT_PX = 2
 """Smaller areas are flicker, waves and edges."""
+MIN_STRIPES = 3
+"""Lines of a thing that has another colour in each."""
 MAX_WIDTH = 0.5
 """Of the screen: what is wider is a part of the background that moves."""
 MAX_BLOBS = 200
@@ -74,6 +76,7 @@ def find_blobs(colours: Screen, background: Screen) -> Blobs:
         background: The same of the background.
     """
     differs = colours != background
+    flat = np.zeros(colours.shape, np.uint8)
     parts: list[Blobs] = []
     for value in np.unique(colours[differs]):
         mask = (colours == value) & differs
@@ -81,22 +84,55 @@ def find_blobs(colours: Screen, background: Screen) -> Blobs:
         top, left = int(rows[0]), int(columns[0])
         # Only the area around them: most things are small, and the time is that of the pixels.
         mask = np.ascontiguousarray(mask[top : rows[-1] + 1, left : columns[-1] + 1]).view(np.uint8)
-        _, _, stats, centres = cv2.connectedComponentsWithStats(mask, connectivity=8)
-        # Component 0 is what is not in the mask.
-        stats, centres = stats[1:], centres[1:]
-        kept = (
-            (stats[:, cv2.CC_STAT_AREA] >= MIN_AREA_PX)
-            & (stats[:, cv2.CC_STAT_HEIGHT] >= MIN_HEIGHT_PX)
-            & (stats[:, cv2.CC_STAT_WIDTH] <= MAX_WIDTH * colours.shape[1])
-        )
-        part = np.zeros(int(kept.sum()), BLOB_DTYPE)
-        part["colour"] = value
-        part["x"], part["y"] = centres[kept, 0] + left, centres[kept, 1] + top
-        part["width"] = stats[kept, cv2.CC_STAT_WIDTH]
-        part["height"] = stats[kept, cv2.CC_STAT_HEIGHT]
-        part["area"] = stats[kept, cv2.CC_STAT_AREA]
-        parts.append(part)
+        labels, found = _areas(mask, left, top)
+        found["colour"] = value
+        is_flat = found["height"] < MIN_HEIGHT_PX
+        fits = found["width"] <= MAX_WIDTH * colours.shape[1]
+        parts.append(found[(found["area"] >= MIN_AREA_PX) & ~is_flat & fits])
+        if is_flat.any():
+            # Component 0 is what is not in the mask.
+            here = flat[top : rows[-1] + 1, left : columns[-1] + 1]
+            here |= np.concatenate([[False], is_flat])[labels].view(np.uint8)
+    parts.append(_striped(colours, flat))
     blobs = np.concatenate([np.empty(0, BLOB_DTYPE), *parts])
     if len(blobs) > MAX_BLOBS:
         blobs = blobs[np.sort(np.argsort(-blobs["area"], kind="stable")[:MAX_BLOBS])]
     return blobs
+
+
+def _areas(mask: Screen, left: int, top: int) -> tuple[npt.NDArray[np.int32], Blobs]:
+    """Return the label of each pixel of a mask, and its connected areas without their colour.
+
+    Args:
+        mask: uint8 (height, width), 0 or 1.
+        left: Column of the screen at which it begins.
+        top: Row at which it begins.
+    """
+    _, found_labels, stats, centres = cv2.connectedComponentsWithStats(mask, connectivity=8)
+    # Component 0 is what is not in the mask.
+    stats, centres = stats[1:], centres[1:]
+    found = np.zeros(len(stats), BLOB_DTYPE)
+    found["x"], found["y"] = centres[:, 0] + left, centres[:, 1] + top
+    found["width"] = stats[:, cv2.CC_STAT_WIDTH]
+    found["height"] = stats[:, cv2.CC_STAT_HEIGHT]
+    found["area"] = stats[:, cv2.CC_STAT_AREA]
+    labels: npt.NDArray[np.int32] = np.asarray(found_labels, np.int32)
+    return labels, found
+
+
+def _striped(colours: Screen, flat: Screen) -> Blobs:
+    """Return things that have another colour in each line, which is that of most of their pixels.
+
+    Args:
+        colours: uint8 (height, width).
+        flat: Where areas of one colour are a pixel high, 0 or 1.
+    """
+    if not flat.any():
+        return np.empty(0, BLOB_DTYPE)
+    labels, found = _areas(flat, 0, 0)
+    kept = (found["height"] >= MIN_STRIPES) & (found["width"] <= MAX_WIDTH * colours.shape[1])
+    for index in np.flatnonzero(kept):
+        of_area = colours[labels == index + 1]
+        found["colour"][index] = np.bincount(of_area).argmax()
+    striped: Blobs = found[kept]
+    return striped

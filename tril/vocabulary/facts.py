@@ -20,55 +20,32 @@ import numpy.typing as npt
 
 from tril.errors import Invalid
 from tril.games.base import Screen
+from tril.games.things import Thing
+from tril.vocabulary.groups import NEAR_PX, Group, binned, edges_of
 from tril.vocabulary.kinds import (
     Array,
     Kind,
+    Look,
     Places,
     find_kinds,
     find_player,
+    named_kinds,
     offset_to_nearest,
     places,
 )
-from tril.vocabulary.shapes import Shapes, shapes_of
+from tril.vocabulary.memory import facts_of_byte, memory_groups, with_signs
 from tril.vocabulary.trace import Trace
 
-FORMAT_VERSION = 2
+FORMAT_VERSION = 3
 
 PLACE_BINS = 6
-MEMORY_BINS = 8
 MIN_SPAN_PX = 4
 """What moves less has no place worth a fact."""
-NEAR_PX = (8, 16, 32)
-SLOW_SHARE = 0.1
-"""A byte that changes in fewer of the steps is slow: its bits are states, as of what is left."""
 MIN_STEPS_SEEN = 100
 COUNT_SCALE = 8
-ORDERED: tuple[Aspect, ...] = ("value", "x", "y", "dx", "dy")
-BIN_LENGTH = 2.0
-"""Bins over which the prior correlation of two weights falls to 1/e."""
-TWIN_CORRELATION = 0.9
-"""Between a byte and a place on the screen, from which on the byte is that place."""
 
 SPREAD_FLOOR = 0.04
 """Smallest standard deviation by which a fact is divided, so that rare ones are held down."""
-
-Source = Literal["memory", "thing", "button", "time"]
-Aspect = Literal[
-    "value", "changes", "bits", "held", "x", "y", "count", "moves", "dx", "dy", "level x",
-    "level y", "near", "played",
-]  # fmt: skip
-
-_SIZES: dict[str, int] = {
-    "changes": 3,
-    "bits": 8,
-    "held": 2,
-    "count": 2,
-    "moves": 4,
-    "level x": len(NEAR_PX),
-    "level y": len(NEAR_PX),
-    "near": len(NEAR_PX),
-    "played": 1,
-}
 
 Role = Literal["place", "relation", "thing", "memory", "button", "time"]
 
@@ -84,74 +61,6 @@ PRIOR_SHARES: dict[Role, float] = {
 stands to others, other things, memory that follows no thing, buttons, how long the game lasts.
 Buttons are few and are held differently by whoever plays better, so that they fit most orders a
 little."""
-
-
-@dataclass(frozen=True)
-class Twin:
-    """A place on the screen that a byte of memory follows.
-
-    Attributes:
-        kind: Index of the kind.
-        axis: "x" or "y".
-        scale: Pixels by which the place changes where the byte rises by one.
-        offset: Place in pixels where the byte is 0.
-    """
-
-    kind: int
-    axis: str
-    scale: float
-    offset: float
-
-    def place(self, value: float) -> float:
-        """Return the place in pixels."""
-        return self.scale * value + self.offset
-
-
-@dataclass(frozen=True)
-class Group:
-    """Facts that belong together.
-
-    Attributes:
-        source: Where they come from.
-        subject: The byte, the button, or the kind of things; of a relation the player's kind and
-            the other one; nothing of time.
-        aspect: What of it: "value" of a byte in bins, its "changes" (up, down, by more than one)
-            and the "bits" of a slow one; "held" of a button (held, pressed); of a kind of things
-            "x" and "y" in bins, "count" (any, how many) and "moves" (right, left, down, up); of
-            two kinds "dx" and "dy" in bins, "level x", "level y" and "near" within 8, 16 and 32
-            pixels; of time "played", which holds in every step.
-        edges: Between the bins.
-        twin: Of a byte's value the kind whose place it follows, if any.
-    """
-
-    source: Source
-    subject: tuple[int, ...]
-    aspect: Aspect
-    edges: tuple[float, ...] = ()
-    twin: Twin | None = None
-
-    @property
-    def n_facts(self) -> int:
-        """Number of facts."""
-        return _SIZES.get(self.aspect, len(self.edges) + 1)
-
-    @property
-    def shapes(self) -> Shapes:
-        """The shapes of statements about it."""
-        return shapes_of(self.n_facts, self.aspect in ORDERED)
-
-    @property
-    def prior_root(self) -> npt.NDArray[np.float64]:
-        """A root of the prior covariance of the facts' weights, float64 (n_facts, n_facts).
-
-        Neighbouring bins are alike, so that what is learned of some places holds near them.
-        """
-        place = np.arange(self.n_facts)
-        if self.aspect not in ORDERED:
-            return np.eye(self.n_facts)
-        covariance = np.exp(-np.abs(place[:, None] - place) / BIN_LENGTH)
-        root: npt.NDArray[np.float64] = np.linalg.cholesky(covariance)
-        return root
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +85,12 @@ class Vocabulary:
 
     @classmethod
     def of_games(
-        cls, traces: Sequence[Trace], background: Screen, n_buttons: int, horizon: int
+        cls,
+        traces: Sequence[Trace],
+        background: Screen,
+        n_buttons: int,
+        horizon: int,
+        things: Mapping[str, Thing] | None = None,
     ) -> Self:
         """Make the vocabulary of varied games.
 
@@ -185,12 +99,14 @@ class Vocabulary:
             background: Colour of each pixel.
             n_buttons: Number of the game's buttons.
             horizon: Steps of a whole game.
+            things: Things that the game itself names, by their keys.
         """
         kinds = find_kinds(traces)
         at = [places(played, kinds) for played in traces]
+        kinds = named_kinds(kinds, at, [played.memory for played in traces], things or {})
         player = find_player(traces, at)
         groups = (
-            *_memory_groups(np.concatenate([played.memory for played in traces]), at),
+            *memory_groups([played.memory for played in traces], at),
             *(Group("button", (button,), "held") for button in range(n_buttons)),
             Group("time", (), "played"),
             *_thing_groups(at, len(kinds)),
@@ -198,8 +114,10 @@ class Vocabulary:
         )
         empty = np.empty((0, 0), np.float32)
         words = cls(horizon, background, kinds, player, groups, empty)
-        pool = np.stack([words.summary(words.facts(played)) for played in traces])
-        return cls(horizon, background, kinds, player, groups, pool)
+        facts = [words.facts(played) for played in traces]
+        pool = np.stack([words.summary(of_game) for of_game in facts])
+        signed = with_signs(groups, words.columns, facts)
+        return cls(horizon, background, kinds, player, signed, pool)
 
     @cached_property
     def columns(self) -> tuple[npt.NDArray[np.int64], ...]:
@@ -230,7 +148,7 @@ class Vocabulary:
             return group.source
         if len(subject) == 2:
             return "relation"
-        is_place = group.aspect in ("x", "y", "value", "moves")
+        is_place = group.aspect in ("x", "y", "value", "moves", "changes")
         return "place" if is_place and subject == (self.player,) else "thing"
 
     def facts(self, played: Trace) -> Array:
@@ -240,7 +158,7 @@ class Vocabulary:
         parts: list[Array] = []
         for group in self.groups:
             if group.source == "memory":
-                parts.append(_of_byte(group, played.memory[:, group.subject[0]]))
+                parts.append(facts_of_byte(group, played.memory[:, group.subject[0]]))
             elif group.source == "button":
                 parts.append(_of_button(played.held >> group.subject[0] & 1))
             elif group.source == "time":
@@ -279,7 +197,7 @@ class Vocabulary:
             "horizon": self.horizon,
             "player": self.player,
             "kinds": [asdict(kind) for kind in self.kinds],
-            "groups": [asdict(group) for group in self.groups],
+            "groups": [group.to_json() for group in self.groups],
         }
         with path.open("wb") as file:
             np.savez_compressed(
@@ -302,19 +220,16 @@ class Vocabulary:
                 if header["version"] != FORMAT_VERSION:
                     raise Invalid(f"{path.name} is a vocabulary of format {header['version']}.")
                 kinds = (
-                    Kind(one["colour"], tuple(one["width"]), tuple(one["height"]))
-                    for one in header["kinds"]
-                )
-                groups = (
-                    Group(
-                        one["source"],
-                        tuple(one["subject"]),
-                        one["aspect"],
-                        tuple(one["edges"]),
-                        one["twin"] and Twin(**one["twin"]),
+                    Kind(
+                        tuple(
+                            Look(look["colour"], tuple(look["width"]), tuple(look["height"]))
+                            for look in kind["looks"]
+                        ),
+                        kind["name"],
                     )
-                    for one in header["groups"]
+                    for kind in header["kinds"]
                 )
+                groups = (Group.from_json(group) for group in header["groups"])
                 return cls(
                     header["horizon"],
                     arrays["background"],
@@ -327,49 +242,6 @@ class Vocabulary:
             raise Invalid(f"{path.name} cannot be read as a vocabulary: {error}") from error
 
 
-def _edges(values: npt.NDArray[np.floating], n_bins: int) -> tuple[float, ...]:
-    """Return edges between bins that hold about equal shares of the values."""
-    distinct = np.unique(values)
-    if len(distinct) <= n_bins + 2:
-        return tuple(((distinct[1:] + distinct[:-1]) / 2.0).tolist())
-    inner = np.quantile(values, np.linspace(0, 1, n_bins + 1)[1:-1])
-    return tuple(np.unique(inner + 1e-3).tolist())
-
-
-def _memory_groups(memory: npt.NDArray[np.uint8], at: Sequence[Places]) -> list[Group]:
-    groups: list[Group] = []
-    axes = {axis: np.concatenate([getattr(found, axis) for found in at]) for axis in "xy"}
-    for byte in range(memory.shape[1]):
-        values = memory[:, byte]
-        if values.min() == values.max():
-            continue
-        edges = _edges(values.astype(np.float64), MEMORY_BINS)
-        groups.append(Group("memory", (byte,), "value", edges, _twin_of(values, axes)))
-        groups.append(Group("memory", (byte,), "changes"))
-        if (values[1:] != values[:-1]).mean() < SLOW_SHARE:
-            groups.append(Group("memory", (byte,), "bits"))
-    return groups
-
-
-def _twin_of(values: npt.NDArray[np.uint8], axes: Mapping[str, Array]) -> Twin | None:
-    """Return the place that a byte follows best, None if it follows none."""
-    best, twin = TWIN_CORRELATION, None
-    for axis, place in axes.items():
-        for kind in range(place.shape[1]):
-            seen = ~np.isnan(place[:, kind])
-            if seen.sum() < MIN_STEPS_SEEN:
-                continue
-            x, y = values[seen].astype(np.float64), place[seen, kind].astype(np.float64)
-            if not (x.std() and y.std() >= 1):
-                continue
-            correlation = float(np.corrcoef(x, y)[0, 1])
-            if abs(correlation) > best:
-                best = abs(correlation)
-                scale = correlation * y.std() / x.std()
-                twin = Twin(kind, axis, float(scale), float(y.mean() - scale * x.mean()))
-    return twin
-
-
 def _thing_groups(at: Sequence[Places], n_kinds: int) -> list[Group]:
     groups: list[Group] = []
     for kind in range(n_kinds):
@@ -378,10 +250,11 @@ def _thing_groups(at: Sequence[Places], n_kinds: int) -> list[Group]:
         for aspect, values in (("x", x), ("y", y)):
             seen = values[~np.isnan(values)]
             if np.ptp(seen) >= MIN_SPAN_PX:
-                edges = _edges(seen, PLACE_BINS)
+                edges = edges_of(seen, PLACE_BINS)
                 groups.append(Group("thing", (kind,), "x" if aspect == "x" else "y", edges))
         if np.ptp(count) > 0:
             groups.append(Group("thing", (kind,), "count"))
+            groups.append(Group("thing", (kind,), "comes"))
         groups.append(Group("thing", (kind,), "moves"))
     return groups
 
@@ -405,30 +278,13 @@ def _relation_groups(
             continue
         pair = (player, other)
         if np.ptp(dx[seen]) >= MIN_SPAN_PX:
-            groups.append(Group("thing", pair, "dx", _edges(dx[seen], PLACE_BINS)))
+            groups.append(Group("thing", pair, "dx", edges_of(dx[seen], PLACE_BINS)))
             groups.append(Group("thing", pair, "level x"))
         if np.ptp(dy[seen]) >= MIN_SPAN_PX:
-            groups.append(Group("thing", pair, "dy", _edges(dy[seen], PLACE_BINS)))
+            groups.append(Group("thing", pair, "dy", edges_of(dy[seen], PLACE_BINS)))
             groups.append(Group("thing", pair, "level y"))
         groups.append(Group("thing", pair, "near"))
     return groups
-
-
-def _binned(values: npt.NDArray[np.floating], edges: Sequence[float]) -> Array:
-    """Return which bin each value is in, (n, n_edges + 1); none for NaN."""
-    bins = np.zeros((len(values), len(edges) + 1), np.float32)
-    seen = np.flatnonzero(~np.isnan(values))
-    bins[seen, np.searchsorted(edges, values[seen], side="right")] = 1
-    return bins
-
-
-def _of_byte(group: Group, values: npt.NDArray[np.uint8]) -> Array:
-    if group.aspect == "value":
-        return _binned(values.astype(np.float64), group.edges)
-    if group.aspect == "bits":
-        return (values[:, None] >> np.arange(8, dtype=np.uint8) & 1).astype(np.float32)
-    change = np.diff(values.astype(np.int64), prepend=values[:1])
-    return np.stack([change > 0, change < 0, np.abs(change) > 1], 1).astype(np.float32)
 
 
 def _of_button(is_held: npt.NDArray[np.int64]) -> Array:
@@ -440,16 +296,19 @@ def _of_things(group: Group, at: Places) -> Array:
     kind = group.subject[0]
     x, y, count = at.x[:, kind], at.y[:, kind], at.count[:, kind]
     if group.aspect in ("x", "y"):
-        return _binned(x if group.aspect == "x" else y, group.edges)
+        return binned(x if group.aspect == "x" else y, group.edges)
     if group.aspect == "count":
         return np.stack([count > 0, count / COUNT_SCALE], 1).astype(np.float32)
+    if group.aspect == "comes":
+        change = np.diff(count, prepend=count[:1])
+        return np.stack([change > 0, change < 0], 1).astype(np.float32)
     dx, dy = np.diff(x, prepend=x[:1]), np.diff(y, prepend=y[:1])
     return np.stack([dx > 0.5, dx < -0.5, dy > 0.5, dy < -0.5], 1).astype(np.float32)
 
 
 def _of_relation(group: Group, dx: Array, dy: Array) -> Array:
     if group.aspect in ("dx", "dy"):
-        return _binned(dx if group.aspect == "dx" else dy, group.edges)
+        return binned(dx if group.aspect == "dx" else dy, group.edges)
     if group.aspect == "near":
         distance = np.hypot(dx, dy)
     else:

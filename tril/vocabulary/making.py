@@ -79,7 +79,9 @@ def make_vocabulary(game: Game, progress: Progress | None = None) -> Vocabulary:
         traces.append(trace(recording, console, mode))
         report(2 * n_games + number, total)
     console.close()
-    return Vocabulary.of_games(traces, mode, len(game.controls.buttons), game.clock.max_steps)
+    return Vocabulary.of_games(
+        traces, mode, len(game.controls.buttons), game.clock.max_steps, game.things
+    )
 
 
 def vocabulary_of(data: Path, game: Game, progress: Progress | None = None) -> Vocabulary:

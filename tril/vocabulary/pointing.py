@@ -6,13 +6,15 @@ from dataclasses import dataclass
 
 from tril.games.base import Game
 from tril.vocabulary.answers import subject_of
-from tril.vocabulary.facts import Group, Vocabulary
+from tril.vocabulary.facts import Vocabulary
+from tril.vocabulary.groups import Group
 from tril.vocabulary.sentences import kind_name
 
 _OF_THING = {
     "x": "{thing} further to the left or right",
     "y": "{thing} higher up or lower down",
     "count": "more or fewer of {thing}",
+    "comes": "{thing} appearing or vanishing more or less often",
     "moves": "{thing} moving more or less",
 }
 _OF_RELATION = {
@@ -23,9 +25,9 @@ _OF_RELATION = {
     "near": "{player} near {thing} or away from it",
 }
 _OF_MEMORY = {
-    "value": "{memory} larger or smaller",
-    "changes": "{memory} changing more or less often",
-    "bits": "{memory} in one state or another",
+    "value": "{memory}: larger or smaller",
+    "changes": "{memory}: changing more or less often",
+    "bits": "{memory}: in one state or another",
 }
 
 
@@ -47,7 +49,7 @@ class Pointed:
 def meanings_of(words: Vocabulary, game: Game) -> tuple[Pointed, ...]:
     """Return all that a vocabulary has groups for and a person can name, each once.
 
-    Bytes of memory that neither follow a thing nor have a name are left out.
+    Bytes of memory that neither tell a thing's place nor have a name are left out.
     """
     pointed: dict[str, Pointed] = {}
     for group in words.groups:
@@ -70,7 +72,8 @@ def _open_sentence(words: Vocabulary, group: Group, game: Game) -> str | None:
     if kind is not None:
         thing = kind_name(words, kind, game)
         if group.twin is not None:
-            return _OF_THING[group.twin.axis].format(thing=thing)
+            aspect = group.twin.axis if group.aspect == "value" else "moves"
+            return _OF_THING[aspect].format(thing=thing)
         if len(group.subject) == 1:
             return _OF_THING[group.aspect].format(thing=thing)
         player = kind_name(words, group.subject[0], game)
@@ -81,4 +84,4 @@ def _open_sentence(words: Vocabulary, group: Group, game: Game) -> str | None:
         return "the game lasting longer or shorter"
     byte = group.subject[0]
     named = game.memory_names.get(byte)
-    return named and _OF_MEMORY[group.aspect].format(memory=f"memory {byte} ({named})")
+    return named and _OF_MEMORY[group.aspect].format(memory=named)

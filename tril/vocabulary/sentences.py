@@ -10,7 +10,8 @@ import numpy.typing as npt
 
 from tril.games.base import Game
 from tril.vocabulary.answers import subject_of
-from tril.vocabulary.facts import Group, Vocabulary
+from tril.vocabulary.facts import Vocabulary
+from tril.vocabulary.groups import Group, Sign
 from tril.vocabulary.posterior import Posterior, Statement
 
 Array = npt.NDArray[np.float64]
@@ -20,6 +21,11 @@ MONOTONE = 0.75
 
 LEAST_SHARE = 0.3
 """Of the deviation of a statement's other group: a part that deviates less is left out."""
+
+UNSEEN = "something that the screen does not show"
+"""How a byte is called that nothing goes with."""
+SURE_CORRELATION = 0.7
+"""Between a fact of a byte and what goes with it, from which on one is told for the other."""
 
 _COLOURS: dict[str, tuple[int, int, int]] = {
     "black": (0, 0, 0),
@@ -48,6 +54,8 @@ class Telling:
         probability: Of all statements that say the same.
         groups: Indices of the groups of the most probable one of them.
         subjects: What they are about, in order; see `subject_of`.
+        kinds: Kinds of things that it is about; for a relation, that of the other thing.
+        detail: Which bytes of memory it was read from, for experts; empty if from none.
         statement: That statement.
     """
 
@@ -55,18 +63,29 @@ class Telling:
     probability: float
     groups: tuple[int, ...]
     subjects: tuple[str, ...]
+    kinds: tuple[int, ...]
+    detail: str
     statement: Statement = field(compare=False, repr=False)
 
-    def kinds(self, words: Vocabulary) -> tuple[int, ...]:
-        """Return the kinds of things that it is about, for a relation, that of the other thing."""
-        kinds: list[int] = []
-        for index in self.groups:
-            group = words.groups[index]
-            if group.twin is not None:
-                kinds.append(group.twin.kind)
-            elif group.source == "thing":
-                kinds.append(group.subject[-1])
-        return tuple(dict.fromkeys(kinds))
+
+@dataclass(frozen=True)
+class Phrase:
+    """What a group of facts says.
+
+    Attributes:
+        text: A phrase of a sentence.
+        kind: The kind of things that it is about; None if it is about none.
+        detail: The byte of memory that it was read from, and what of it; empty if from none.
+    """
+
+    text: str
+    kind: int | None = None
+    detail: str = ""
+
+    @property
+    def is_seen(self) -> bool:
+        """Whether it is about what the screen shows, or what has a name."""
+        return not self.text.startswith(UNSEEN)
 
 
 def tell(
@@ -78,8 +97,9 @@ def tell(
 ) -> tuple[Telling, ...]:
     """Return what an order is about, the most probable first.
 
-    Statements about the same count as one, told by the most probable of them: a byte that follows
-    a thing is that thing, and a second group is left out where it changes little.
+    Statements about the same count as one, told by the most probable of them: a byte that tells
+    a thing's place is that thing, and a second group is left out where it changes little. So do
+    statements that read the same.
 
     Args:
         words: The game's vocabulary.
@@ -89,47 +109,77 @@ def tell(
         n_tellings: How many are returned at most.
     """
     told: dict[tuple[str, ...], Telling] = {}
+    reads: dict[str, tuple[str, ...]] = {}
     for statement in posterior.statements:
         parts = _parts(words, statement, game, meant)
-        subject = tuple(sorted({subject_of(words, words.groups[index]) for index, _, _ in parts}))
+        subject = tuple(sorted({subject_of(words, words.groups[part.group]) for part in parts}))
+        sentence = ", and ".join(part.phrase.text for part in parts)
+        # Bytes that nobody sees read the same and are not.
+        if all(part.phrase.is_seen for part in parts):
+            subject = reads.setdefault(sentence, subject)
         known = told.get(subject)
         if known is None:
-            sentence = ", and ".join(text for _, text, _ in parts)
-            groups = tuple(index for index, _, _ in parts)
-            told[subject] = Telling(sentence, statement.probability, groups, subject, statement)
+            kinds = [part.phrase.kind for part in parts if part.phrase.kind is not None]
+            told[subject] = Telling(
+                sentence,
+                statement.probability,
+                tuple(part.group for part in parts),
+                subject,
+                tuple(dict.fromkeys(kinds)),
+                "; ".join(part.phrase.detail for part in parts if part.phrase.detail),
+                statement,
+            )
         else:
             told[subject] = replace(known, probability=known.probability + statement.probability)
     return tuple(sorted(told.values(), key=lambda one: -one.probability)[:n_tellings])
 
 
+@dataclass(frozen=True)
+class _Part:
+    """A group of a statement.
+
+    Attributes:
+        group: Its index.
+        phrase: What it says.
+        deviation: How much it differs between varied games.
+    """
+
+    group: int
+    phrase: Phrase
+    deviation: float
+
+
 def _parts(
     words: Vocabulary, statement: Statement, game: Game, meant: Collection[str]
-) -> list[tuple[int, str, float]]:
-    """Return a statement's groups, what each says and how much it differs between varied games.
+) -> list[_Part]:
+    """Return a statement's groups with what each says.
 
     The most important comes first; one that is about the same, or hardly matters beside it, is left
     out, unless it is meant.
     """
-    parts: list[tuple[int, str, float]] = []
+    parts: list[_Part] = []
     begin = 0
     for index in statement.groups:
         group, columns = words.groups[index], words.columns[index]
         weights = statement.weights[begin : begin + group.n_facts]
         begin += group.n_facts
         deviation = float((words.pool[:, columns] @ weights).std())
-        parts.append((index, phrase(words, group, weights, game), deviation))
-    parts.sort(key=lambda part: -part[2])
-    subjects = [subject_of(words, words.groups[index]) for index, _, _ in parts]
+        parts.append(_Part(index, phrase(words, group, weights, game), deviation))
+    parts.sort(key=lambda part: -part.deviation)
+    subjects = [subject_of(words, words.groups[part.group]) for part in parts]
     if len(set(subjects)) == 1:
         return parts[:1]
-    return [
+    kept = [
         part
         for part, subject in zip(parts, subjects, strict=True)
-        if part[2] >= LEAST_SHARE * parts[0][2] or subject in meant
+        if part.deviation >= LEAST_SHARE * parts[0].deviation or subject in meant
     ]
+    # A thing, and a byte that goes with it, read the same.
+    is_same = len({part.phrase.text for part in kept}) == 1 and kept[0].phrase.is_seen
+    return kept[:1] if is_same else kept
 
 
-def phrase(words: Vocabulary, group: Group, weights: Array, game: Game) -> str:
+def phrase(words: Vocabulary, group: Group, weights: Array, game: Game) -> Phrase:
     """Return what a group's weights say.
 
     Args:
@@ -138,18 +188,28 @@ def phrase(words: Vocabulary, group: Group, weights: Array, game: Game) -> str:
         weights: Of its facts, not standardised, float64 (n_facts,).
         game: The game.
     """
+    if group.source == "memory":
+        return _of_byte(words, group, weights, game)
+    kind = group.subject[-1] if group.source == "thing" else None
+    return Phrase(_of_seen(words, group, weights, game), kind)
+
+
+def _of_seen(words: Vocabulary, group: Group, weights: Array, game: Game) -> str:
+    """Return what the weights of a group say that is about no byte."""
     if group.source == "button":
         fact = _telling_fact(words, group, weights)
         how = ("held {}", "pressed {} often")[fact].format("more" if weights[fact] > 0 else "less")
         return f"{game.controls.buttons[group.subject[0]]} {how}"
     if group.source == "time":
         return f"the game going on {'longer' if weights.sum() > 0 else 'less long'}"
-    if group.source == "memory":
-        return _of_byte(words, group, weights, game)
     name = kind_name(words, group.subject[-1], game)
     if group.aspect == "count":
         fact = _telling_fact(words, group, weights)
         return f"{'more' if weights[fact] > 0 else 'fewer'} of {name}"
+    if group.aspect == "comes":
+        fact = _telling_fact(words, group, weights)
+        how = ("appearing", "vanishing")[fact]
+        return f"{name} {how} {'more' if weights[fact] > 0 else 'less'} often"
     if group.aspect == "moves":
         fact = _telling_fact(words, group, weights)
         way = ("right", "left", "down", "up")[fact]
@@ -200,30 +260,99 @@ def _telling_fact(words: Vocabulary, group: Group, weights: Array) -> int:
     return int(np.argmax(np.abs(weights * words.pool[:, columns].std(0))))
 
 
-def _of_byte(words: Vocabulary, group: Group, weights: Array, game: Game) -> str:
-    byte = group.subject[0]
+def _of_byte(words: Vocabulary, group: Group, weights: Array, game: Game) -> Phrase:
+    """Return what the weights of a byte's facts say: of a thing, or of what goes with the byte."""
+    twin, byte = group.twin, group.subject[0]
     named = game.memory_names.get(byte)
-    name = f"memory {byte}" + (f" ({named})" if named else "")
+    bare = _of_bare_byte(words, group, weights)
+    detail = f"memory {byte}" + (f" ({named})" if named else "") + f" {bare}"
+    if twin is not None and group.aspect == "value":
+        placed = Group("thing", (twin.kind,), twin.axis, group.edges)
+        return Phrase(_of_seen(words, placed, weights, game), twin.kind, detail)
+    if twin is not None:
+        rises, falls, _ = weights * (1, 1, 0)
+        ways = ("right", "left") if twin.axis == "x" else ("down", "up")
+        if (rises > 0) == (falls > 0):
+            way = f"{ways[1]} or {ways[0]}" if twin.axis == "x" else "up or down"
+        else:
+            way = ways[int((abs(rises) >= abs(falls)) != (twin.direction > 0))]
+        amount = "more" if (rises if abs(rises) >= abs(falls) else falls) > 0 else "less"
+        name = kind_name(words, twin.kind, game)
+        return Phrase(f"{name} moving {way} {amount}", twin.kind, detail)
+    if named:
+        return Phrase(f"{named}: {bare}", None, detail)
+    fact = _telling_fact(words, group, weights)
+    is_more = bool(weights[fact] > 0)
+    sign = group.signs[fact] if group.signs else None
+    if sign is None:
+        how = "in one of its states" if group.aspect == "bits" else bare
+        return Phrase(f"{UNSEEN}, {how}", None, detail)
+    kind = sign.group.subject[-1] if sign.group.source == "thing" else None
+    if abs(sign.correlation) >= SURE_CORRELATION:
+        return Phrase(_of_sign(words, sign, is_more == (sign.correlation > 0), game), kind, detail)
+    # What is hardly ever there with it and is less often: its opposite is more often, with it.
+    often = "more often" if is_more == (sign.correlation > 0) else "less often"
+    clause = _clause(words, sign, game)
+    return Phrase(f"something that happens {often}, mostly while {clause}", kind, detail)
+
+
+def _of_bare_byte(words: Vocabulary, group: Group, weights: Array) -> str:
+    """Return what the weights of a byte's facts say of the byte."""
     if group.aspect == "changes":
         rises, falls, _ = weights
         if rises > 0 and falls > 0:
-            return f"{name} changing more often"
+            return "changing more often"
         if rises <= 0 and falls <= 0:
-            return f"{name} changing less often"
+            return "changing less often"
         up = abs(rises) >= abs(falls)
         amount = "more" if (rises if up else falls) > 0 else "less"
-        return f"{name} {'rising' if up else 'falling'} {amount} often"
+        return f"{'rising' if up else 'falling'} {amount} often"
     if group.aspect == "bits":
-        bit = int(np.argmax(np.abs(weights)))
-        return f"{name} with bit {bit} {'on' if weights[bit] > 0 else 'off'}"
-    if group.twin is not None:
-        twin = group.twin
-        edges = tuple(twin.place(edge) for edge in group.edges)
-        if twin.scale < 0:
-            edges, weights = edges[::-1], weights[::-1]
-        placed = Group("thing", (twin.kind,), "x" if twin.axis == "x" else "y", edges)
-        return phrase(words, placed, weights, game)
-    return f"{name} {_range(group, weights, 'value')}"
+        bit = _telling_fact(words, group, weights)
+        return f"with bit {bit} {'on' if weights[bit] > 0 else 'off'}"
+    if group.twin is not None and not group.twin.direction:
+        return "by a table"
+    if group.twin is not None and group.twin.direction < 0:
+        weights = weights[::-1]
+    return _range(group, weights, "value") if group.twin is None or _direction(weights) else ""
+
+
+def _of_sign(words: Vocabulary, sign: Sign, is_more: bool, game: Game) -> str:
+    """Return that what goes with a byte is there, or happens, more or less."""
+    group = sign.group
+    if group.edges:
+        return f"{_clause(words, sign, game)} {'more' if is_more else 'less'} often"
+    weights = np.zeros(group.n_facts)
+    weights[sign.fact] = 1 if is_more else -1
+    if group.aspect == "count" and sign.fact == 0:
+        often = f"{'more' if is_more else 'less'} often"
+        return f"{kind_name(words, group.subject[0], game)} there {often}"
+    return _of_seen(words, group, weights, game)
+
+
+def _clause(words: Vocabulary, sign: Sign, game: Game) -> str:
+    """Return what goes with a byte as it is said after "while"."""
+    group, fact = sign.group, sign.fact
+    if group.source == "button":
+        return f"{game.controls.buttons[group.subject[0]]} is {('held', 'pressed')[fact]}"
+    name = kind_name(words, group.subject[-1], game)
+    if group.aspect == "count":
+        return f"{name} is there" if fact == 0 else f"there are more of {name}"
+    if group.aspect == "comes":
+        return f"{name} {('appears', 'vanishes')[fact]}"
+    if group.aspect == "moves":
+        return f"{name} moves {('right', 'left', 'down', 'up')[fact]}"
+    if len(group.subject) == 1:
+        weights = np.zeros(group.n_facts)
+        weights[fact] = 1
+        return f"{name} is {_span(*_bounds(group, weights), group.aspect)}"
+    player = kind_name(words, group.subject[0], game)
+    if group.aspect in ("dx", "dy"):
+        weights = np.zeros(group.n_facts)
+        weights[fact] = 1
+        return f"{name} is {_offset(*_bounds(group, weights), group.aspect[-1])} {player}"
+    how = {"near": "near", "level x": "in line with", "level y": "level with"}[group.aspect]
+    return f"{player} is {how} {name}"
 
 
 def _direction(weights: Array) -> int:
@@ -259,7 +388,11 @@ def _range(group: Group, weights: Array, aspect: str) -> str:
             "value": ("smaller", "larger"),
         }
         return ways[aspect][direction > 0]
-    low, high = _bounds(group, weights)
+    return _span(*_bounds(group, weights), aspect)
+
+
+def _span(low: float | None, high: float | None, aspect: str) -> str:
+    """Return what is from low to high; None has no bound."""
     unit = {"x": " px from the left", "y": " px from the top", "value": ""}[aspect]
     less, more = ("below", "above") if aspect == "value" else ("less than", "more than")
     if low is None or high is None:
@@ -270,12 +403,16 @@ def _range(group: Group, weights: Array, aspect: str) -> str:
 
 
 def kind_name(words: Vocabulary, index: int, game: Game) -> str:
-    """Return what a kind of things is called before a person names it."""
+    """Return what a kind of things is called: by the game, or by its colour and size."""
     kind = words.kinds[index]
+    thing = game.things.get(kind.name) if kind.name is not None else None
     if index == words.player:
-        return "what you steer"
-    width, height = round(sum(kind.width) / 2), round(sum(kind.height) / 2)
-    return f"the {colour_name(_rgb(kind.colour, game))} thing of {width}x{height} px"
+        return "what you steer" + (f" ({thing.title})" if thing else "")
+    if thing:
+        return thing.title if thing.title[0].isupper() else f"the {thing.title}"
+    look = kind.looks[0]
+    width, height = round(sum(look.width) / 2), round(sum(look.height) / 2)
+    return f"the {colour_name(_rgb(look.colour, game))} thing of {width}x{height} px"
 
 
 def _rgb(colour: int, game: Game) -> Array:

@@ -123,7 +123,10 @@ def trace(recording: Recording, console: Console, background: Screen) -> Trace:
 
 
 def _blobs_of_step(screens: list[Screen], background: Screen) -> Blobs:
-    """Return the last screen's blobs, and those that flicker: only the screen before shows them."""
+    """Return the last screen's blobs, and those that flicker: only the screen before shows them.
+
+    A thing that moves far is not there twice: as many flicker as there are fewer of their colour.
+    """
     last = find_blobs(screens[-1], background)
     if len(screens) == 1:
         return last
@@ -132,5 +135,12 @@ def _blobs_of_step(screens: list[Screen], background: Screen) -> Blobs:
     distance = np.maximum(
         np.abs(before["x"][:, None] - last["x"]), np.abs(before["y"][:, None] - last["y"])
     )
-    alike = (before["colour"][:, None] == last["colour"]) & (distance < MOST_SHIFT_PX)
-    return np.concatenate([before[~alike.any(axis=1)], last])
+    distance = np.where(before["colour"][:, None] == last["colour"], distance, np.inf)
+    nearest = distance.min(axis=1, initial=np.inf)
+    flickers = nearest >= MOST_SHIFT_PX
+    for colour in np.unique(before["colour"][flickers]):
+        own = np.flatnonzero(before["colour"] == colour)
+        n_fewer = max(len(own) - int((last["colour"] == colour).sum()), 0)
+        # What is nearest to one that is still there has moved.
+        flickers[own[np.argsort(-nearest[own], kind="stable")[n_fewer:]]] = False
+    return np.concatenate([before[flickers], last])

@@ -3737,11 +3737,17 @@ export interface components {
          *             earlier versions made.
          *         shown: A moment of a better game in which it holds most; None where nothing differs.
          *         contrast: A moment of a worse game in which it holds least.
-         *         kinds: Kinds of things that it is about, by their indices in the game's vocabulary; empty
-         *             in runs of earlier versions.
+         *         kinds: Kinds of things that it is about, by their indices in the game's vocabulary as it was
+         *             then; empty in runs of earlier versions.
+         *         detail: Bytes of memory that it was read from, for experts; empty if from none.
          */
         ToldStatement: {
             contrast: components["schemas"]["ShownMoment"] | null;
+            /**
+             * Detail
+             * @default
+             */
+            detail: string;
             /**
              * Kinds
              * @default []
@@ -3800,6 +3806,11 @@ export interface components {
          */
         UnderstoodStatement: {
             contrast: components["schemas"]["ShownMoment"] | null;
+            /**
+             * Detail
+             * @default
+             */
+            detail: string;
             /**
              * Kinds
              * @default []

@@ -143,6 +143,7 @@ class Told:
         probability: Probability of the statement.
         subjects: Subjects of the statement.
         kinds: Kinds of things that it is about.
+        detail: Bytes of memory that it was read from, for experts.
         contrast: Moments of the ranked games that show it, by the games' rows; None if none do.
     """
 
@@ -150,6 +151,7 @@ class Told:
     probability: float
     subjects: tuple[str, ...]
     kinds: tuple[int, ...]
+    detail: str = ""
     contrast: Contrast | None = None
 
 
@@ -255,7 +257,8 @@ def _understand(request: UnderstandRequest) -> Understood:
                 telling.sentence,
                 telling.probability,
                 telling.subjects,
-                telling.kinds(words),
+                telling.kinds,
+                telling.detail,
                 understanding.contrast(telling.statement, seconds, request.tiers),
             )
             for telling in tellings

@@ -7,7 +7,13 @@ import pytest
 
 from tests.tril.vocabulary.test_facts import played, words
 from tril.games import game_named
-from tril.vocabulary.answers import Answer, Conditions, subject_of
+from tril.vocabulary.answers import (
+    Answer,
+    Conditions,
+    kinds_about,
+    known_subject,
+    subject_of,
+)
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.posterior import NothingPossible
 from tril.vocabulary.sentences import Telling, tell
@@ -61,6 +67,34 @@ def test_two_that_are_meant_hold_together_and_of_three_the_latest(words: Vocabul
 def test_an_answer_about_what_is_not_in_the_vocabulary_is_ignored(words: Vocabulary) -> None:
     for meant in (True, False):
         assert told(words, Answer(frozenset({"thing 99:1-2x1-2 x"}), meant)) == told(words)
+
+
+@pytest.mark.parametrize(
+    ("former", "today"),
+    [
+        ("thing 40:7-9x5-6 x", "thing 40:8-8x6-6 x"),
+        ("thing 40:7-9x5-6 ~ 80:3-4x4-4 dx", "thing 40:8-8x6-6 ~ 80:4-4x4-4 dx"),
+        ("memory 3 value", "thing 40:8-8x6-6 x"),
+        ("memory 3 changes", "thing 40:8-8x6-6 moves"),
+        ("memory 5 value", "memory 5 value"),
+        ("thing 41:8-8x6-6 x", "thing 41:8-8x6-6 x"),
+        ("time played", "time played"),
+    ],
+)
+def test_what_another_vocabulary_named_is_still_known(
+    words: Vocabulary, former: str, today: str
+) -> None:
+    assert known_subject(words, former) == today
+    conditions = Conditions.of(words, [Answer(frozenset({former}), True)])
+    assert conditions.meant == ({today} if "41" not in today else frozenset())
+
+
+def test_things_are_found_by_subjects(words: Vocabulary) -> None:
+    player = words.player
+    assert player is not None
+    assert kinds_about(words, ["memory 3 value", "button 0 held"]) == (player,)
+    assert kinds_about(words, ["thing 40:8-8x6-6 ~ 80:3-4x4-4 dx"]) == (1 - player,)
+    assert kinds_about(words, ["thing 99:8-8x6-6 x", "time played"]) == ()
 
 
 def test_where_everything_is_rejected_nothing_is_possible(words: Vocabulary) -> None:

@@ -9,9 +9,11 @@ import pytest
 
 from tril.errors import Invalid
 from tril.games import game_named
+from tril.games.things import Axis, Thing
 from tril.vocabulary.blobs import BLOB_DTYPE, Background, find_blobs
-from tril.vocabulary.facts import Aspect, Group, Vocabulary
-from tril.vocabulary.sentences import colour_name, phrase, tell
+from tril.vocabulary.facts import Vocabulary
+from tril.vocabulary.groups import Aspect, Group
+from tril.vocabulary.sentences import colour_name, kind_name, phrase, tell
 from tril.vocabulary.trace import Trace
 from tril.vocabulary.understanding import shuffles_as_good, understand
 
@@ -50,9 +52,9 @@ def words() -> Vocabulary:
 
 
 def test_the_thing_that_answers_the_buttons_is_the_players(words: Vocabulary) -> None:
-    assert {kind.colour for kind in words.kinds} == {STEERED, FREE}
+    assert {kind.looks[0].colour for kind in words.kinds} == {STEERED, FREE}
     assert words.player is not None
-    assert words.kinds[words.player].colour == STEERED
+    assert words.kinds[words.player].looks[0].colour == STEERED
 
 
 def test_bytes_that_never_change_say_nothing_and_one_follows_the_thing(words: Vocabulary) -> None:
@@ -61,7 +63,8 @@ def test_bytes_that_never_change_say_nothing_and_one_follows_the_thing(words: Vo
     twin = values[3].twin
     assert twin is not None
     assert (twin.kind, twin.axis) == (words.player, "x")
-    assert twin.place(100) == pytest.approx(100, abs=2)
+    assert twin.places(np.array([100], np.uint8)) == pytest.approx(100, abs=2)
+    assert twin.direction == 1
     assert values[5].twin is None
 
 
@@ -143,7 +146,7 @@ def test_every_group_has_a_phrase_either_way(words: Vocabulary) -> None:
     game = game_named("pong")
     for group in words.groups:
         weights = np.linspace(-1, 2, group.n_facts)
-        phrases = {phrase(words, group, weights, game), phrase(words, group, -weights, game)}
+        phrases = {phrase(words, group, sign * weights, game).text for sign in (1, -1)}
         assert len(phrases) == 2 or group.aspect in ("bits", "moves")
         assert all(text and "None" not in text for text in phrases)
 
@@ -157,9 +160,8 @@ def test_a_button_that_is_held_longer_and_pressed_less_often_is_held_more(
 
     def told(by_held: float, by_pressed: float) -> str:
         """Return what weights say that move a varied game by so much."""
-        return phrase(
-            words, words.groups[index], np.array([by_held / held, by_pressed / pressed]), game
-        )
+        weights = np.array([by_held / held, by_pressed / pressed])
+        return phrase(words, words.groups[index], weights, game).text
 
     # A press is rare, so that its weight is the larger one by far.
     assert told(0.5, -0.4) == "down held more"
@@ -186,7 +188,7 @@ def test_where_a_thing_is_as_seen_from_the_players(
     # Neither rising nor falling: high in one bin, and low at both ends.
     weights = np.array([0.0, 0.1, 0.2, 0.1, 0.0])
     weights[best] = 2.0
-    told = phrase(words, group, weights, game_named("pong"))
+    told = phrase(words, group, weights, game_named("pong")).text
     assert text in told
     assert told.endswith("what you steer")
 
@@ -208,3 +210,132 @@ def test_blobs_are_areas_of_one_colour_in_front_of_the_background() -> None:
 def test_colours_have_names() -> None:
     assert colour_name(np.array([200.0, 60, 60])) == "red"
     assert colour_name(np.array([0.0, 0, 0])) == "black"
+
+
+def test_a_byte_that_tells_a_place_by_a_table_is_that_place() -> None:
+    # As a 2600 keeps places: steps of 15 px in the low nibble, single px in the high one.
+    games = []
+    for seed in range(20):
+        game = played(seed)
+        x = game.memory[:, 3].astype(int)
+        game.memory[:, 3] = (x // 15) | (x % 15) << 4
+        games.append(game)
+    words = Vocabulary.of_games(games, np.zeros((210, 160), np.uint8), 2, HORIZON)
+    group, *others = [g for g in words.groups if g.source == "memory" and g.subject == (3,)]
+    # Its rises and falls and its bits mean nothing to anybody.
+    assert others == []
+    assert group.twin is not None
+    assert (group.twin.kind, group.twin.axis, group.twin.direction) == (words.player, "x", 0)
+    value = np.array([(100 // 15) | (100 % 15) << 4], np.uint8)
+    assert group.twin.places(value) == pytest.approx(100, abs=2)
+    weights = np.linspace(-1, 1, group.n_facts)
+    told = phrase(words, group, weights, game_named("pong"))
+    assert told.text == "what you steer further to the right"
+    assert told.detail.startswith("memory 3")
+
+
+def with_light(seed: int, *, sure: float) -> Trace:
+    """Return a game in which a lamp is there while byte 6 is 9, or mostly; byte 7 flickers."""
+    game = played(seed)
+    rng = np.random.default_rng([seed, 1])
+    is_on = np.repeat(rng.integers(0, 2, HORIZON // 10), 10).astype(bool)
+    says = np.where(rng.random(HORIZON) < sure, is_on, rng.random(HORIZON) < 0.5)
+    game.memory[:, 6] = np.where(says, 9, 2)
+    game.memory[:, 7] = rng.integers(0, 2, HORIZON)
+    lamps = np.zeros(int(is_on.sum()), BLOB_DTYPE)
+    lamps["step"] = np.flatnonzero(is_on)
+    lamps["colour"], lamps["x"], lamps["y"] = 120, 20, 20
+    lamps["width"], lamps["height"], lamps["area"] = 6, 6, 36
+    blobs = np.concatenate([game.blobs, lamps])
+    blobs = blobs[np.argsort(blobs["step"], kind="stable")]
+    return Trace(game.memory, game.held, blobs)
+
+
+@pytest.mark.parametrize(
+    ("sure", "text"),
+    [
+        (0.98, "the {} there more often"),
+        (0.6, "something that happens more often, mostly while the {} is there"),
+    ],
+)
+def test_a_byte_is_told_by_what_is_seen_with_it(sure: float, text: str) -> None:
+    games = [with_light(seed, sure=sure) for seed in range(20)]
+    words = Vocabulary.of_games(games, np.zeros((210, 160), np.uint8), 2, HORIZON)
+    pong = game_named("pong")
+    lamp = next(i for i, kind in enumerate(words.kinds) if kind.looks[0].colour == 120)
+    group = next(
+        g for g in words.groups if (g.source, g.subject, g.aspect) == ("memory", (6,), "value")
+    )
+    told = phrase(words, group, np.array([-1.0, 1.0]), pong)
+    assert told.text == text.format(kind_name(words, lamp, pong).removeprefix("the "))
+    assert told.kind == lamp
+    assert told.detail == "memory 6 larger"
+    # What nothing goes with does not begin with a number either.
+    unseen = next(g for g in words.groups if g.source == "memory" and g.subject == (7,))
+    told = phrase(words, unseen, np.linspace(-1, 1, unseen.n_facts), pong)
+    assert told.text.startswith("something that the screen does not show")
+    assert "memory" not in told.text
+    assert "memory 7" in told.detail
+
+
+def test_one_thing_at_several_sizes_and_in_several_colours_is_one_kind() -> None:
+    games = []
+    for seed in range(20):
+        game = played(seed)
+        steered = game.blobs["colour"] == STEERED
+        # It is cut at the left, and another colour at the right.
+        game.blobs["width"][steered & (game.blobs["x"] < 60)] = 3
+        game.blobs["colour"][steered & (game.blobs["x"] > 100)] = STEERED + 1
+        games.append(game)
+    words = Vocabulary.of_games(games, np.zeros((210, 160), np.uint8), 2, HORIZON)
+    assert len(words.kinds) == 2
+    assert words.player is not None
+    looks = words.kinds[words.player].looks
+    assert {(look.colour, look.width[0]) for look in looks} == {
+        (STEERED, 8),
+        (STEERED, 3),
+        (STEERED + 1, 8),
+    }
+
+
+def test_a_thing_that_is_drawn_in_two_parts_is_what_you_steer() -> None:
+    games = []
+    for seed in range(20):
+        game = played(seed)
+        feet = game.blobs[game.blobs["colour"] == STEERED].copy()
+        feet["x"] += 12
+        blobs = np.concatenate([game.blobs, feet])
+        blobs = blobs[np.argsort(blobs["step"], kind="stable")]
+        games.append(Trace(game.memory, game.held, blobs))
+    words = Vocabulary.of_games(games, np.zeros((210, 160), np.uint8), 2, HORIZON)
+    assert words.player is not None
+    assert words.kinds[words.player].looks[0].colour == STEERED
+
+
+def test_a_thing_has_the_name_that_the_game_gives_it() -> None:
+    things = {
+        "lamp": Thing("lamp", Axis(0, byte=3), Axis(60)),
+        "far": Thing("far", Axis(9), Axis(9)),
+    }
+    games = [played(seed) for seed in range(20)]
+    for game in games:
+        game.memory[:, 3] = game.blobs["x"][game.blobs["colour"] == FREE].astype(int)
+    words = Vocabulary.of_games(games, np.zeros((210, 160), np.uint8), 2, HORIZON, things)
+    names = {kind.looks[0].colour: kind.name for kind in words.kinds}
+    assert names == {STEERED: None, FREE: "lamp"}
+
+
+def test_a_thing_with_another_colour_in_each_line_is_one() -> None:
+    background = np.full((50, 60), 7, np.uint8)
+    screen = background.copy()
+    for row, colour in enumerate((30, 31, 32, 32, 33)):
+        screen[20 + row, 10:18] = colour
+    # A wave of one line is none.
+    screen[40, 5:30] = 90
+    found = find_blobs(screen, background)
+    # Two lines of one colour are an area of their own, as before.
+    boxes = {(b["colour"], b["y"], b["width"], b["height"]) for b in found}
+    assert boxes == {(32, 22.5, 8, 2)}
+    screen[23, 10:18] = 34
+    found = find_blobs(screen, background)
+    assert [(b["x"], b["y"], b["width"], b["height"]) for b in found] == [(13.5, 22, 8, 5)]

@@ -31,7 +31,7 @@ def choose(
         for fact, probability in enumerate(probabilities)
     ]
     tellings = [
-        Telling(f"fact {fact}", one.probability, one.groups, (str(fact),), one)
+        Telling(f"fact {fact}", one.probability, one.groups, (str(fact),), (), "", one)
         for fact, one in enumerate(statements)
     ]
     understanding = Understanding(words, Posterior(tuple(statements)))

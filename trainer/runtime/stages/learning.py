@@ -95,7 +95,8 @@ def _statements(data: RunData) -> list[ToldStatement]:
                 sentence=told.sentence,
                 probability=round(told.probability, 3),
                 subjects=list(told.subjects),
-                kinds=list(told.kinds(understanding.words)),
+                kinds=list(told.kinds),
+                detail=told.detail,
                 shown=contrast and contrast.most.shown(ranked, game.clock),
                 contrast=contrast and contrast.least.shown(ranked, game.clock),
             )
