@@ -26,6 +26,8 @@ _LOG = logging.getLogger(__name__)
 
 TIMEOUT_S = 300.0
 """An archive takes about 15 s on an idle core: PyTorch is loaded, and two clips are made."""
+PAGE_SHARE = 0.8
+"""Of the timeout, in which a page is made with the games that are replayed by then."""
 NICENESS = "10"
 """Somebody waits for it: before trainings (19), after play (0)."""
 MAX_WAITING = 4
@@ -100,7 +102,8 @@ class ArchiveMaker:
 
         def make(folder: Path) -> bytes:
             path = folder / "page.html"
-            self._run("page", ["share", run.id, "-o", str(path), "--unlogged"])
+            within = f"{PAGE_SHARE * self._timeout_s:.0f}"
+            self._run("page", ["share", run.id, "-o", str(path), "--within", within, "--unlogged"])
             both = io.BytesIO()
             with zipfile.ZipFile(both, "w") as pages:
                 pages.write(path, PagePart.PAGE)

@@ -14,6 +14,7 @@ from cli.output import errors
 from cli.workspace import find_behaviour, open_workspace
 from tril.errors import Invalid
 from tril.files.artifact_store import ArtifactStore
+from tril.games import UnknownGame, game_named
 from tril.store import audit, behaviours
 from tril.store.training import runs
 
@@ -24,6 +25,12 @@ def share(
         typer.Argument(help="Run, or short name of a behaviour for its newest finished run."),
     ],
     output: Annotated[Path, typer.Option("--output", "-o", help="HTML file to write.")],
+    within: Annotated[
+        float | None,
+        typer.Option(
+            help="Seconds to take at most; ranked games that take longer are left out.", min=1
+        ),
+    ] = None,
     unlogged: Annotated[
         bool, typer.Option(hidden=True, help="Leave the audit log to who calls this.")
     ] = False,
@@ -39,7 +46,12 @@ def share(
             run_id = _run_id(session, run)
         store = ArtifactStore(workspace.settings.artifact_root)
         page = make_share_page(
-            workspace.database, store, run_id, workspace.settings.data, Parts(*share_parts())
+            workspace.database,
+            store,
+            run_id,
+            workspace.settings.data,
+            Parts(*share_parts()),
+            within_s=within,
         )
         poster = write_share_page(page, output)
         if not unlogged:
@@ -57,14 +69,20 @@ def gallery(
     from trainer.sharing.page import Parts
 
     with open_workspace() as workspace:
+        shown: dict[str, str] = {}
         with workspace.database.reading() as session:
-            shown = {
-                row.slug: newest.id
-                for row in behaviours.listing(session)
-                if (newest := runs.newest_done(session, row.id)) is not None
-            }
+            for row in behaviours.listing(session):
+                newest = runs.newest_done(session, row.id)
+                if newest is None:
+                    continue
+                try:
+                    game_named(row.game)
+                except (UnknownGame, Invalid) as unknown:
+                    errors.print(f"{row.slug} is left out: {unknown}")
+                else:
+                    shown[row.slug] = newest.id
         if not shown:
-            raise Invalid("No behaviour has a finished run yet.")
+            raise Invalid("No behaviour of a game that is installed has a finished run yet.")
         store = ArtifactStore(workspace.settings.artifact_root)
         index = write_gallery(
             workspace.database, store, shown, workspace.settings.data, Parts(*share_parts()), folder

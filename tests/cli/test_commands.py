@@ -18,7 +18,7 @@ from testsupport.workplace import Workplace
 from trainer.reporting.run_report import write_report
 from tril.analysis.blind import BlindAnswer
 from tril.files.artifact_store import ArtifactStore
-from tril.store import players, processes
+from tril.store import behaviours, players, processes
 from tril.store.training import artifacts, blind_answers
 from tril.vocabulary import making
 from tril.vocabulary.facts import Vocabulary
@@ -253,6 +253,12 @@ def test_a_run_is_written_as_a_page_and_all_behaviours_as_a_gallery(
     assert index.count("data:image/png;base64,") == 1
     assert (folder / "column-1.html").read_bytes() == file.read_bytes()
     assert _run("audit").count(f"exported run {run_id}") == 3
+    with workplace.database.writing() as session:
+        behaviours.get(session, workplace.behaviour_id).game = "gym:gone-v0"
+    told = " ".join(_run("gallery", str(folder), status=1).split())
+    assert "column-1 is left out" in told
+    assert "gym:gone-v0" in told
+    assert "No behaviour of a game that is installed" in told
 
 
 @pytest.mark.usefixtures("data_folder")

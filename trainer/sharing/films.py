@@ -6,6 +6,8 @@ docs/protocol.md describes the format, which ``frontend/src/features/share/film.
 from __future__ import annotations
 
 import io
+import math
+import time
 import zlib
 from dataclasses import dataclass
 
@@ -79,6 +81,18 @@ def changes(difference: Screen) -> bytes:
     return b"".join(parts)
 
 
+class DeadlinePassed(Exception):
+    """A film was not made in time.
+
+    Attributes:
+        share: Share of it that was made.
+    """
+
+    def __init__(self, share: float) -> None:
+        super().__init__(f"{share:.0%} of a film was made in time.")
+        self.share = share
+
+
 def film_of(
     recording: Recording,
     still_frame: int,
@@ -86,6 +100,7 @@ def film_of(
     *,
     frames_per_picture: int = 1,
     longest: int | None = None,
+    deadline_s: float = math.inf,
 ) -> Film:
     """Return a recording as a film.
 
@@ -95,9 +110,11 @@ def film_of(
         console: A console of its game to replay on; None makes one.
         frames_per_picture: Frames that each picture stands for.
         longest: Last frame that is shown; None for the whole game.
+        deadline_s: Time of `time.monotonic` by which it has to be made.
 
     Raises:
         RecordingRefused: Its replay differs from what was recorded.
+        DeadlinePassed: It was not made by then.
     """
     shown = recording if longest is None else recording.until(min(longest, recording.n_frames))
     game = shown.game
@@ -106,6 +123,8 @@ def film_of(
     recent: list[Screen] = []
 
     def keep(episode: Episode) -> None:
+        if time.monotonic() > deadline_s:
+            raise DeadlinePassed(episode.frame / shown.n_frames)
         screen = episode.console.screen().copy()
         waiting.append(screen)
         if len(waiting) == frames_per_picture:

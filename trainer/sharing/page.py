@@ -5,6 +5,8 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
+import math
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -12,7 +14,7 @@ from typing import Any
 
 from trainer.reporting.rendering import png_url, render
 from trainer.sharing.contents import Contents, SharedGame, levels_of, read_contents
-from trainer.sharing.films import Film, film_of, picture_of, png
+from trainer.sharing.films import DeadlinePassed, Film, film_of, picture_of, png
 from trainer.sharing.poster import poster_of
 from tril import __version__
 from tril.errors import Invalid
@@ -25,6 +27,8 @@ MAX_BYTES = 3_000_000
 """Most bytes of a page."""
 MOST_RANKED = 24
 """Ranked games that are shown at most; each takes a replay to make."""
+FILMS_SHARE = 0.6
+"""Of the time that a page may take, for its films."""
 FEWER_PICTURES = (1, 3, 6)
 """Frames per picture, tried in turn until the page is small enough."""
 SHORTEST_FRAMES = 60
@@ -149,10 +153,21 @@ class SharePage:
 
 @dataclass
 class _Films:
-    """Films of games, made when they are first asked for; None of games that do not replay."""
+    """Films of games, made when they are first asked for.
+
+    None of games that do not replay, or were not made in time.
+
+    Attributes:
+        console: Console to replay on.
+        deadline_s: Time of `time.monotonic` by which they have to be made.
+        made: The films by game, frames per picture and last frame.
+        late: Numbers of the games whose films were not made in time.
+    """
 
     console: Console
+    deadline_s: float = math.inf
     made: dict[tuple[int, int, int | None], Film | None] = field(default_factory=dict)
+    late: set[int] = field(default_factory=set)
 
     def film(
         self, game: SharedGame, frames_per_picture: int, longest: int | None = None
@@ -166,14 +181,23 @@ class _Films:
                     self.console,
                     frames_per_picture=frames_per_picture,
                     longest=longest,
+                    deadline_s=self.deadline_s,
                 )
             except RecordingRefused:
                 self.made[key] = None
+            except DeadlinePassed:
+                self.made[key] = None
+                self.late.add(game.number)
         return self.made[key]
 
 
 def make_share_page(
-    database: Database, store: ArtifactStore, run_id: str, data: Path, parts: Parts
+    database: Database,
+    store: ArtifactStore,
+    run_id: str,
+    data: Path,
+    parts: Parts,
+    within_s: float | None = None,
 ) -> SharePage:
     """Return a finished run as a page of at most MAX_BYTES.
 
@@ -183,17 +207,28 @@ def make_share_page(
         run_id: The run.
         data: The data folder.
         parts: Style and script of the page.
+        within_s: How long it may take. Ranked games that take longer are left out; None makes all.
 
     Raises:
         NotFound: No such run, or its behaviour was deleted.
         Conflict: It is not finished.
-        Invalid: The page is too large whatever is left out.
+        Invalid: The page is too large whatever is left out, or not even the two games in step were
+            made in time.
     """
+    began_s = time.monotonic()
     contents = read_contents(database, run_id, data)
     console = contents.game.make_console()
-    films = _Films(console)
+    # The last part is for the levels and for writing the page.
+    films = _Films(console, began_s + FILMS_SHARE * within_s if within_s is not None else math.inf)
     played = [game for game in (contents.imitator, contents.best) if game is not None]
     replaying = [game for game in played if films.film(game, 1) is not None]
+    if films.late:
+        assert within_s is not None
+        raise Invalid(
+            f"The games of {contents.game.title} are replayed so slowly that not even two were done"
+            f" in {within_s:.0f} s. `tril runs share {run_id} --output page.html` takes as long as"
+            " it needs."
+        )
     levels = levels_of(database, store, contents, replaying, console)
     longest = max((game.recording.n_frames for game in replaying), default=0)
     for plan in _plans(min(len(contents.ranked), MOST_RANKED), longest):
@@ -266,7 +301,7 @@ def _page(
         last=last,
         tiles=tiles,
         names=NAMES,
-        told=list(_told(contents, plan, sides, tiles)),
+        told=list(_told(contents, plan, sides, tiles, len(films.late))),
         screen_json=_json(
             {
                 "width": game.screen.width,
@@ -340,7 +375,7 @@ def _spread(games: Sequence[SharedGame], n: int) -> list[SharedGame]:
 
 
 def _told(
-    contents: Contents, plan: Plan, sides: Sequence[Shown], tiles: Sequence[Shown]
+    contents: Contents, plan: Plan, sides: Sequence[Shown], tiles: Sequence[Shown], n_late: int
 ) -> Iterator[str]:
     """Yield what the page shows of the games and what it leaves out."""
     rate_hz = contents.game.clock.frame_rate_hz
@@ -364,7 +399,12 @@ def _told(
             f"Ranked games are shown with {rate_hz / plan.ranked_frames_per_picture:.0f} pictures"
             " a second."
         )
-    if len(tiles) < len(contents.ranked):
+    if n_late:
+        yield (
+            f"{len(tiles)} of {len(contents.ranked)} ranked games are shown; {n_late} took too long"
+            " to replay. The command tril runs share takes as long as it needs."
+        )
+    elif len(tiles) < len(contents.ranked):
         yield (
             f"{len(tiles)} of {len(contents.ranked)} ranked games are shown, evenly from the best"
             " to the worst."

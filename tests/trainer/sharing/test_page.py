@@ -8,6 +8,7 @@ import io
 import json
 import re
 from html.parser import HTMLParser
+from typing import Any
 
 import pytest
 from PIL import Image
@@ -15,8 +16,9 @@ from PIL import Image
 from testsupport.finished_runs import make_finished_run
 from testsupport.workplace import Workplace
 from trainer.sharing import page as sharing
+from trainer.sharing.films import DeadlinePassed, Film
 from trainer.sharing.page import MAX_BYTES, Parts, SharePage, make_share_page
-from tril.errors import Conflict
+from tril.errors import Conflict, Invalid
 from tril.files.artifact_store import ArtifactStore
 from tril.games import game_of
 from tril.games.measures import ActionRate, GameScore, Measure, Per
@@ -70,6 +72,11 @@ class Elements(HTMLParser):
 def made(workplace: Workplace, run_id: str) -> SharePage:
     store = ArtifactStore(workplace.settings.artifact_root)
     return make_share_page(workplace.database, store, run_id, workplace.settings.data, PARTS)
+
+
+def made_within(workplace: Workplace, run_id: str, within_s: float) -> SharePage:
+    store, data = ArtifactStore(workplace.settings.artifact_root), workplace.settings.data
+    return make_share_page(workplace.database, store, run_id, data, PARTS, within_s)
 
 
 @pytest.fixture
@@ -216,3 +223,32 @@ def test_a_page_that_would_be_too_large_holds_less_and_says_so(
 def test_only_a_finished_run_has_a_page(workplace: Workplace) -> None:
     with pytest.raises(Conflict, match="It can be taken away once it is done"):
         made(workplace, workplace.make_run())
+
+
+def test_ranked_games_that_take_too_long_are_left_out_and_it_says_so(
+    workplace: Workplace, run_id: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    replayed = 0
+    make = sharing.film_of
+
+    def slow(*arguments: Any, **options: Any) -> Film:
+        nonlocal replayed
+        replayed += 1
+        # The two games in step, and one more.
+        if replayed > 3:
+            raise DeadlinePassed(0.5)
+        return make(*arguments, **options)
+
+    monkeypatch.setattr(sharing, "film_of", slow)
+    page = Elements(made_within(workplace, run_id, 60).html.decode())
+    tiles = [a for a in page.of("button") if a.get("class") == "tile"]
+    assert 0 < len(tiles) < len(workplace.ranked)
+    assert f"{len(tiles)} of {len(workplace.ranked)} ranked games are shown" in page.text
+    assert "took too long to replay" in page.text
+
+
+def test_where_not_even_two_games_are_done_in_time_it_names_the_way_out(
+    workplace: Workplace, run_id: str
+) -> None:
+    with pytest.raises(Invalid, match=f"tril runs share {run_id}"):
+        made_within(workplace, run_id, 1e-6)
