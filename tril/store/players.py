@@ -95,18 +95,21 @@ def rename(session: Session, player: PlayerRow, name: str) -> None:
     note_change(session, "player", player.id)
 
 
-def named(session: Session, name: str) -> PlayerRow:
+def named(session: Session, name: str, *, owner_counts: bool = True) -> PlayerRow:
     """Return the person of this name who played imported games; added if there is none.
 
-    The owner counts, but nobody else who has signed in: they would be shown the games of a
-    namesake.
+    Nobody who has signed in counts: they would be shown what a namesake did. The owner does, whose
+    own games they are as a rule.
+
+    Args:
+        session: The transaction.
+        name: The name.
+        owner_counts: False where it must not be taken for the owner's what a namesake did.
     """
     has_signed_in = exists().where(CredentialRow.player_id == PlayerRow.id)
-    rows = session.scalars(
-        select(PlayerRow)
-        .where(or_(PlayerRow.role == Role.OWNER, ~has_signed_in))
-        .order_by(PlayerRow.id)
-    )
+    is_owner = PlayerRow.role == Role.OWNER
+    is_meant = or_(is_owner, ~has_signed_in) if owner_counts else ~is_owner & ~has_signed_in
+    rows = session.scalars(select(PlayerRow).where(is_meant).order_by(PlayerRow.id))
     namesakes = (row for row in rows if folded(row.name) == folded(name))
     return next(namesakes, None) or add(session, name, Role.PARTICIPANT)
 
