@@ -59,7 +59,7 @@ interface RowProps {
 }
 
 function Row({ behaviourId, statement, said, answering, onGone }: RowProps) {
-  const { sentence, probability, shown, contrast, pictures = [] } = statement;
+  const { sentence, detail, probability, shown, contrast, pictures = [] } = statement;
   const [open, setOpen] = useState(false);
   const momentsId = useId();
   const isPlain = answering === null && !shown && pictures.length === 0;
@@ -88,11 +88,18 @@ function Row({ behaviourId, statement, said, answering, onGone }: RowProps) {
       )}
       <span className={styles.sentence}>
         {sentence}
+        {detail && <span className={styles.detail}>{detail}</span>}
         {said && <SaidOf answer={said} />}
       </span>
       <span className={styles.share}>
-        <ShareBar share={probability} />
-        {percent(probability, 0)}
+        {said ? (
+          <span className={styles.certain}>{said.meant ? t`Counts for sure` : t`Left out`}</span>
+        ) : (
+          <>
+            <ShareBar share={probability} />
+            {percent(probability, 0)}
+          </>
+        )}
       </span>
       {answering && (
         <span className={styles.choice}>

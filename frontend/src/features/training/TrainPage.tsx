@@ -5,7 +5,7 @@ import { useSearchParams } from "react-router";
 
 import { recipesQuery } from "@/api/runs";
 import type { Behaviour } from "@/api/types";
-import { Failed, Loading } from "@/components/feedback/States";
+import { Failed, Loading, Notice } from "@/components/feedback/States";
 
 import { editsFrom } from "./form";
 import { TrainForm } from "./TrainForm";
@@ -19,12 +19,27 @@ export function TrainPage({ behaviour }: { behaviour: Behaviour }) {
     return <Failed what={t`The recipes`} error={error} onRetry={() => void refetch()} />;
   }
   if (!recipes?.[0]) return <Loading what={t`the recipes`} rows={3} />;
+  const wanted = search.get("recipe");
+  const known = recipes.find(({ name }) => name === wanted);
+  const first = known ?? recipes[0];
   return (
     <div className={styles.page}>
+      {wanted !== null && !known && (
+        <div className={styles.notice}>
+          <Notice live>
+            <p>
+              <Trans>
+                This version of Tril has no recipe <strong>{wanted}</strong> for this game.{" "}
+                <strong>{first.name}</strong> is chosen instead.
+              </Trans>
+            </p>
+          </Notice>
+        </div>
+      )}
       <TrainForm
         behaviour={behaviour}
         recipes={recipes}
-        first={recipes.find(({ name }) => name === search.get("recipe")) ?? recipes[0]}
+        first={first}
         filledIn={editsFrom(search)}
         parentId={search.get("continue")}
         onParentRemoved={() => {

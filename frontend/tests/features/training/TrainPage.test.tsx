@@ -47,6 +47,14 @@ describe("training", () => {
     expect(screen.queryByText(/considers only what is hit/)).toBeNull();
   });
 
+  it("says that the recipe of an address is no longer there", async () => {
+    open(RANKED, {}, "/?recipe=dagger");
+    expect(await screen.findByText(/has no recipe/)).toHaveTextContent(
+      "This version of Tril has no recipe dagger for this game. fast is chosen instead.",
+    );
+    expect(screen.getByRole("radio", { name: /fast/ })).toBeChecked();
+  });
+
   it("recommends the proposed recipe alone", async () => {
     open(
       { ...RANKED, target: null },

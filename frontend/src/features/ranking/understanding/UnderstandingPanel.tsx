@@ -169,6 +169,15 @@ function Situation({ told, error }: { told: Understanding | undefined; error: un
             </Trans>
           </p>
         );
+      if (told.answers.some(({ meant }) => meant))
+        return (
+          <p>
+            <Trans>
+              What you said counts for sure. The shares say how likely something else counts with
+              it.
+            </Trans>
+          </p>
+        );
       return (
         <p>
           <Trans>What the better games have, the most likely first. You need not answer.</Trans>
