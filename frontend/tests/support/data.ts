@@ -225,5 +225,14 @@ export function statement(
   probability: number,
   change: Partial<ToldStatement> = {},
 ): ToldStatement {
-  return { sentence, probability, subjects: [], kinds: [], shown: null, contrast: null, ...change };
+  return {
+    sentence,
+    probability,
+    subjects: [],
+    kinds: [],
+    detail: "",
+    shown: null,
+    contrast: null,
+    ...change,
+  };
 }

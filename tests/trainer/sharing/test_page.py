@@ -25,7 +25,8 @@ from tril.games.measures import ActionRate, GameScore, Measure, Per
 from tril.store import behaviours, recordings
 from tril.store.models import Source
 from tril.store.training import evaluations, runs
-from tril.vocabulary.making import pictures_path
+from tril.vocabulary.facts import Vocabulary
+from tril.vocabulary.making import pictures_path, vocabulary_path
 from tril.vocabulary.pictures import write_pictures
 
 PARTS = Parts("p{margin:0}", "void 0;")
@@ -150,15 +151,26 @@ def test_statements_have_their_shares_and_the_pictures_that_there_are(
     workplace: Workplace, run_id: str
 ) -> None:
     with workplace.database.writing() as session:
+        row = behaviours.get(session, workplace.behaviour_id)
+        game = game_of(behaviours.as_behaviour(row))
+        words = Vocabulary.load(vocabulary_path(workplace.settings.data, game))
+        looks = [
+            f"{look.colour}:{look.width[0]}-{look.width[1]}x{look.height[0]}-{look.height[1]}"
+            for look in (kind.looks[0] for kind in words.kinds)
+        ]
         run = runs.get(session, run_id)
         values = run.outcome.model_dump(mode="json", exclude_unset=True)
         values["check"]["statements"] = [
-            {"sentence": f"what you steer {EVIL}", "probability": 0.72, "kinds": [3, 9]},
+            # Kinds had other numbers when it was told; its subjects name them by their looks.
+            {
+                "sentence": f"what you steer {EVIL}",
+                "probability": 0.72,
+                "kinds": [7],
+                "subjects": [f"thing {looks[3]} x", f"thing {looks[9]} count"],
+            },
             {"sentence": "of an earlier version", "probability": 0.1},
         ]
         run.outcome = run.outcome.model_validate(values)
-        row = behaviours.get(session, workplace.behaviour_id)
-        game = game_of(behaviours.as_behaviour(row))
     write_pictures(pictures_path(workplace.settings.data, game), {3: PICTURE})
     page = Elements(made(workplace, run_id).html.decode())
     assert f"what you steer {EVIL} 72%" in page.text
