@@ -257,7 +257,7 @@ def test_a_run_is_written_as_a_page_and_all_behaviours_as_a_gallery(
         behaviours.get(session, workplace.behaviour_id).game = "gym:gone-v0"
     told = " ".join(_run("gallery", str(folder), status=1).split())
     assert "column-1 is left out" in told
-    assert "gym:gone-v0" in told
+    assert "'gone-v0'" in told
     assert "No behaviour of a game that is installed" in told
 
 

@@ -146,6 +146,81 @@ def test_moments_are_shown_and_what_is_pointed_at_is_meant_and_taken_back(page: 
     expect(panel.get_by_text(re.compile("^You said that this is it")).first).to_be_visible()
     # Every statement is about it now, in the order's own words.
     first = panel.get_by_role("listitem").first
+    meant = r"what you steer \(green paddle\) (higher|lower|.*from the top)"
+    expect(first).to_contain_text(re.compile(meant))
+
+    page.reload()
+    expect(back).to_be_visible(timeout=PATIENCE_MS)
+    back.click()
+    expect(panel.get_by_text("You said: this is it.")).to_have_count(0)
+    expect(panel.get_by_role("button", name=name, exact=True)).to_be_visible()
+
+
+def test_the_whole_board_is_seen_without_scrolling(page: Page) -> None:
+    page.set_viewport_size(LAPTOP)
+    panel = page.get_by_role("region", name="What Tril understood")
+    shown = {
+        "order": page.get_by_role("list", name="Tiers, best first"),
+        "unranked": page.get_by_role("region", name=re.compile("^Unranked, 3 ")),
+        "statements": panel,
+        "way on": page.get_by_role("link", name="Continue to Train"),
+    }
+    expect(panel.get_by_role("button", name=re.compile("^This is it: ")).nth(2)).to_be_visible(
+        timeout=PATIENCE_MS
+    )
+    expect(shown["order"].get_by_role("article")).to_have_count(N_GAMES - 3)
+    boxes = {name: place.bounding_box() for name, place in shown.items()}
+    for card in [
+        *shown["order"].get_by_role("article").all(),
+        *shown["unranked"].get_by_role("article").all(),
+    ]:
+        boxes[str(card.get_attribute("aria-label"))] = card.bounding_box()
+    hidden = [
+        name
+        for name, box in boxes.items()
+        if box is None
+        or box["y"] + box["height"] > LAPTOP["height"]
+        or box["x"] + box["width"] > LAPTOP["width"]
+    ]
+    assert not hidden
+    assert boxes["order"]
+    assert boxes["statements"]
+    assert boxes["order"]["x"] + boxes["order"]["width"] < boxes["statements"]["x"]
+    assert page.evaluate("window.scrollY") == 0
+
+
+def test_moments_are_shown_and_what_is_pointed_at_is_meant_and_taken_back(page: Page) -> None:
+    panel = page.get_by_role("region", name="What Tril understood")
+    show = panel.get_by_role("button", name=re.compile("^Show: "))
+    expect(show.first).to_be_visible(timeout=PATIENCE_MS)
+    show.first.click()
+    expect(panel.get_by_role("img", name=re.compile("^Game screen of"))).to_have_count(2)
+    panel.get_by_role("button", name=re.compile("^Hide: ")).click()
+    expect(panel.get_by_role("img", name=re.compile("^Game screen of"))).to_have_count(0)
+
+    point = panel.get_by_role("button", name="Point at it")
+    point.click()
+    dialog = page.get_by_role("dialog", name="Point at what you mean")
+    player = dialog.get_by_role("button", name="what you steer (green paddle)", exact=True)
+    expect(player).to_be_visible()
+    boxes = dialog.locator("[data-kind]")
+    expect(boxes.first).to_be_visible(timeout=PATIENCE_MS)
+    # The list marks the thing in the picture, and the picture the thing in the list.
+    kind = boxes.last.get_attribute("data-kind")
+    boxes.last.click()
+    expect(dialog.locator(f"[data-kind='{kind}'][class*=marked]").first).to_be_visible()
+    dialog.get_by_role("button", name="Another thing").click()
+
+    player.focus()
+    page.keyboard.press("Enter")
+    expect(dialog.get_by_role("heading", name="what you steer")).to_be_focused()
+    sentence = "what you steer (green paddle) higher up or lower down"
+    dialog.get_by_role("button", name=sentence).click()
+    expect(dialog).to_have_count(0)
+    expect(point).to_be_focused()
+    expect(panel.get_by_text(re.compile("^You said that this is it")).first).to_be_visible()
+    # Every statement is about it now, in the order's own words.
+    first = panel.get_by_role("listitem").first
     expect(first).to_contain_text(
         re.compile(r"what you steer \(green paddle\) (higher|lower|.*from the top)")
     )
