@@ -3,7 +3,7 @@ import { formatter } from "@lingui/format-po";
 
 export default defineConfig({
   sourceLocale: "en",
-  locales: ["en", "de"],
+  locales: ["de"],
   catalogs: [{ path: "<rootDir>/src/texts/{locale}", include: ["src"] }],
   // Without line numbers, so that moving code leaves the catalogues as they are.
   format: formatter({ lineNumbers: false }),
