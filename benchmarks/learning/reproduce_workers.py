@@ -37,8 +37,7 @@ def seconds_with(n_workers: int, steps: int) -> float:
         output = str(Path(folder) / "results")
         began = time.monotonic()
         with tril_process(
-            settings, "reproduce", *asked, "-s", "0", "--steps", str(steps),
-            "--no-extrapolation", "-o", output,
+            settings, "reproduce", *asked, "-s", "0", "--steps", str(steps), "-o", output,
         ) as reproduce:  # fmt: skip
             assert reproduce.process.wait(AT_MOST_S) == 0, "".join(reproduce.output)
         return time.monotonic() - began

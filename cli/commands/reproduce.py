@@ -13,10 +13,8 @@ import typer
 from cli.commands.runs import chosen_recipe, start_run
 from cli.follow import StandbyWorker, follow_to_end, standby_worker
 from cli.output import console, errors
-from cli.progress import progress_bar
 from cli.score_example import MAX_GAMES, MIN_GAMES, print_scores, score_example
 from cli.workspace import Workspace, open_workspace
-from tril.demonstrators import KINDS, SCRIPTED, kind_named
 from tril.errors import Invalid
 from tril.files.artifact_store import ArtifactStore, write_whole
 from tril.games import game_named, game_of, published
@@ -29,14 +27,8 @@ if TYPE_CHECKING:
     from trainer.reporting.ledger import LedgerCell
 
 POLL_S = 2.0
-ONE_AT_A_TIME = (
-    "Choose --demonstrations or --own-starts: each is compared with the ordinary result by itself."
-    " Run the command once for each."
-)
-
 SCORE_ALONE = (
-    "--score has demonstrations of its own: leave out --behaviour, --demonstrations, --own-starts"
-    " and --page-only."
+    "--score has demonstrations of its own: leave out --behaviour, --own-starts and --page-only."
 )
 
 _BEHAVIOURS = {behaviour.slug: behaviour for behaviour in published()}
@@ -68,14 +60,6 @@ def reproduce(
     value: Annotated[
         list[str] | None, typer.Option("--set", help="Change the recipe: NAME=VALUE.")
     ] = None,
-    demonstrations: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Kind of demonstrations, one of"
-            f" {', '.join(kind.name for kind in KINDS)}; may be repeated. Default:"
-            f" {SCRIPTED.name}.",
-        ),
-    ] = None,
     own_starts: Annotated[
         bool,
         typer.Option(
@@ -84,13 +68,6 @@ def reproduce(
             " trained and evaluated on that start alone.",
         ),
     ] = False,
-    extrapolation: Annotated[
-        bool,
-        typer.Option(
-            help="Also run the sanity experiments with rankings by points and by shots, for recipes"
-            " whose reward may follow any quantity: that of fast considers only hits.",
-        ),
-    ] = True,
     score: Annotated[
         str | None,
         typer.Option(
@@ -127,7 +104,7 @@ def reproduce(
 
     if score is not None:
         with open_workspace() as workspace:
-            if behaviour or demonstrations or own_starts or page_only:
+            if behaviour or own_starts or page_only:
                 raise Invalid(SCORE_ALONE)
             game = game_named(score)
             chosen = chosen_recipe(recipe or PAPER.name, value, game)
@@ -146,11 +123,8 @@ def reproduce(
             f" {', '.join(_BEHAVIOURS)}."
         )
     with open_workspace() as workspace:
-        kinds = [kind_named(name).name for name in demonstrations or [SCRIPTED.name]]
-        if kinds != [SCRIPTED.name] and own_starts:
-            raise Invalid(ONE_AT_A_TIME)
         recipes = _recipes(chosen, own_starts=own_starts)
-        cells = cells_of(recipes, slugs, training_seed or [0, 1, 2], kinds, steps)
+        cells = cells_of(recipes, slugs, training_seed or [0, 1, 2], steps)
         missing = [] if page_only else Ledger(output).missing(cells)
         if missing:
             errors.print(f"{len(missing)} of {len(cells)} results are missing.")
@@ -159,8 +133,6 @@ def reproduce(
                 failed = _compute(workspace, chosen_cells, output, worker)
         else:
             failed = 0
-        if extrapolation and chosen.reward.method == "paper" and not page_only:
-            _extrapolate(chosen, training_seed or [0, 1, 2], output)
         page = write_page(output)
         console.print(f"Results: {page}", soft_wrap=True)
         if failed:
@@ -205,7 +177,6 @@ def cells_of(
     recipes: Sequence[Recipe],
     slugs: Sequence[str],
     training_seeds: Sequence[int],
-    kinds: Sequence[str],
     steps: int | None,
 ) -> dict[LedgerCell, Recipe]:
     """Return the results to be computed, in this order, and the recipe of each.
@@ -214,7 +185,6 @@ def cells_of(
         recipes: The recipes to train.
         slugs: Short names of built-in behaviours.
         training_seeds: Seeds of all random choices.
-        kinds: Kinds of demonstrations.
         steps: Steps of the imitator's training; None takes what a recipe proposes.
     """
     from trainer.reporting.ledger import LedgerCell
@@ -225,11 +195,9 @@ def cells_of(
             recipe,
             steps or recipe.proposed_steps(ordered=_BEHAVIOURS[slug].ordered),
             seed,
-            kind,
         ): recipe
         for seed in training_seeds
         for slug in slugs
-        for kind in kinds
         for recipe in recipes
     }
 
@@ -239,24 +207,6 @@ def _recipes(chosen: Recipe, *, own_starts: bool) -> list[Recipe]:
     if not own_starts:
         return [chosen]
     return [evaluated_on_own_start(chosen, number) for number in chosen.evaluation.start_numbers]
-
-
-def _extrapolate(recipe: Recipe, training_seeds: Sequence[int], output: Path) -> None:
-    """Run the sanity experiments that the ledger lacks, one after the other."""
-    from trainer.reporting.extrapolation import extrapolate
-    from trainer.reporting.ledger import Ledger
-    from trainer.reporting.skilled_games import QUANTITIES, Experiment
-    from trainer.runtime.priority import lower_priority
-    from tril.settings import Settings
-
-    experiments = [Experiment.of(q, recipe, seed) for seed in training_seeds for q in QUANTITIES]
-    lower_priority(Settings().learning_niceness)
-    for key in Ledger(output).missing(experiments):
-        label = f"Ranked by {key.quantity}, training seed {key.training_seed}"
-        with progress_bar(label) as progress:
-            result = extrapolate(key.quantity, recipe, key.training_seed, progress)
-        Ledger(output).add(result)
-        console.print(f"{label}: done")
 
 
 def _compute(

@@ -1,14 +1,10 @@
-"""``tril reproduce``: which runs are taken for results, and which comparisons are refused."""
+"""``tril reproduce``: which runs are taken for results, and for how long it trains."""
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
-from typer.testing import CliRunner
 
 from cli.commands.reproduce import _runs_of, cells_of
-from cli.main import app
 from cli.workspace import Workspace
 from testsupport.workplace import TINY, Workplace
 from trainer.reporting.ledger import LedgerCell
@@ -40,9 +36,9 @@ def test_a_run_that_is_there_is_not_started_again(workplace: Workplace, status: 
 
 
 def test_each_behaviour_is_trained_for_as_many_steps_as_the_recipe_proposes() -> None:
-    cells = cells_of([FAST], ["column-1", "row-1"], [0], ["scripted"], None)
+    cells = cells_of([FAST], ["column-1", "row-1"], [0], None)
     assert [cell.steps for cell in cells] == [FAST.default_steps, FAST.ordered_steps]
-    cells = cells_of([FAST], ["column-1", "row-1"], [0], ["scripted"], 5_000)
+    cells = cells_of([FAST], ["column-1", "row-1"], [0], 5_000)
     assert [cell.steps for cell in cells] == [5_000, 5_000]
 
 
@@ -74,19 +70,3 @@ def test_runs_of_deleted_behaviours_are_passed_over(workplace: Workplace) -> Non
     with workplace.database.writing() as session:
         behaviours.delete(session, behaviours.get(session, own.id))
     assert runs_of(workplace) == [run_id]
-
-
-@pytest.mark.usefixtures("data_folder")
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ("--own-starts --demonstrations six", "Choose --demonstrations or --own-starts"),
-        ("--demonstrations seven", "choose one of scripted, human, person-150"),
-    ],
-)
-def test_comparisons_that_make_no_sense_are_refused(
-    tmp_path: Path, arguments: str, message: str
-) -> None:
-    done = CliRunner().invoke(app, ["reproduce", *arguments.split(), "-o", str(tmp_path)])
-    assert done.exit_code == 1
-    assert message in done.output

@@ -19,7 +19,6 @@ from matplotlib.ticker import MaxNLocator
 from PIL import Image, ImageDraw
 
 from trainer.reporting.ledger import Entry
-from trainer.reporting.skilled_games import QUANTITIES, Extrapolation, SkilledGame
 from tril.analysis.extrapolation import JudgedGames, Measure
 from tril.games.base import Cell
 from tril.games.behaviours import Behaviour, score
@@ -185,69 +184,8 @@ def returns_figure(panels: Sequence[tuple[str, Entry]], form: PictureForm = SCRE
     return _rendered(figure, form)
 
 
-@dataclass(frozen=True)
-class ReturnsGroup:
-    """Games of one kind: label and colour, mark of matplotlib, whether R was learned from them.
-
-    ``points`` are their true quantities and what R predicts.
-    """
-
-    label: str
-    colour: str
-    mark: str
-    demonstrated: bool
-    points: Sequence[tuple[float, float]]
-
-
 def extrapolation_figure(
     groups: Sequence[JudgedGames], quantity: str, form: PictureForm = SCREEN
-) -> bytes:
-    """Draw what R predicts against true quantity for the games of a run, see returns_scatter."""
-    kinds = {True: "demonstrations", False: "unseen games"}
-    return returns_scatter(
-        [
-            ReturnsGroup(
-                f"{games.player}, {kinds[games.demonstrated]}",
-                COLOURS[games.player],
-                MARKS[games.player],
-                games.demonstrated,
-                [(game.true_quantity, game.predicted) for game in games.games],
-            )
-            for games in groups
-        ],
-        quantity,
-        MEASURES[groups[0].measure],
-        form=form,
-    )
-
-
-def experiment_figure(extrapolation: Extrapolation) -> bytes:
-    """Draw the same for an extrapolation experiment."""
-    groups = [
-        ReturnsGroup("demonstrations", "#c2371f", "o", True, _points(extrapolation.demonstrations)),
-        ReturnsGroup(
-            "unseen games within their range", "#0067b0", "o", False, _points(extrapolation.unseen)
-        ),
-        ReturnsGroup(
-            "unseen games beyond it", "#6a4c93", "o", False, _points(extrapolation.beyond)
-        ),
-    ]
-    quantity = QUANTITIES[extrapolation.experiment.quantity]
-    nonempty = [group for group in groups if group.points]
-    return returns_scatter(nonempty, quantity, MEASURES["predicted_return"], set_apart=False)
-
-
-def _points(games: Sequence[SkilledGame]) -> list[tuple[float, float]]:
-    return [(game.true_quantity, game.predicted_return) for game in games]
-
-
-def returns_scatter(
-    groups: Sequence[ReturnsGroup],
-    quantity: str,
-    measure: str,
-    *,
-    set_apart: bool = True,
-    form: PictureForm = SCREEN,
 ) -> bytes:
     """Draw what R predicts against true quantity (T-REX, Brown et al. 2019, figure 3).
 
@@ -255,32 +193,33 @@ def returns_scatter(
     band is the range of the demonstrations: what lies beyond it is extrapolated.
 
     Args:
-        groups: The games, at least one in each group.
+        groups: The games of a run, at least one in each group.
         quantity: Label of the true quantity.
-        measure: Label of the prediction.
-        set_apart: Whether marks that share a quantity are set apart by their groups.
         form: Format of the figure.
     """
     figure, ((axis,),) = _grid_of_axes(6.0, 4.0, 1, 1)
-    demonstrated = [point for group in groups if group.demonstrated for point in group.points]
+    demonstrated = [game for group in groups if group.demonstrated for game in group.games]
     if demonstrated:
-        worths, predicted = zip(*demonstrated, strict=True)
+        worths = [game.true_quantity for game in demonstrated]
+        predicted = [game.predicted for game in demonstrated]
         axis.axvspan(min(worths) - 0.5, max(worths) + 0.5, color=_BAND, linewidth=0)
         axis.axhline(max(predicted), color=_FAINT, linewidth=1, linestyle="--")
         axis.axhline(min(predicted), color=_FAINT, linewidth=1, linestyle="--")
     for place, group in enumerate(groups):
-        apart = 0.5 * (place - (len(groups) - 1) / 2) / len(groups) if set_apart else 0.0
+        # Marks that share a quantity are set apart by their groups.
+        apart = 0.5 * (place - (len(groups) - 1) / 2) / len(groups)
+        kind = "demonstrations" if group.demonstrated else "unseen games"
         axis.plot(
-            [quantity + apart for quantity, _ in group.points],
-            [value for _, value in group.points],
-            group.mark,
-            color=group.colour,
+            [game.true_quantity + apart for game in group.games],
+            [game.predicted for game in group.games],
+            MARKS[group.player],
+            color=COLOURS[group.player],
             markersize=6,
             markerfacecolor=None if group.demonstrated else "none",
-            label=group.label,
+            label=f"{group.player}, {kind}",
         )
     axis.set_xlabel(quantity, color=_INK)
-    axis.set_ylabel(measure, color=_INK)
+    axis.set_ylabel(MEASURES[groups[0].measure], color=_INK)
     axis.xaxis.set_major_locator(MaxNLocator(integer=True))
     _calm(axis)
     axis.legend(fontsize=8, frameon=False)

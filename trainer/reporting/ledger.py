@@ -11,12 +11,11 @@ import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, TypeVar
+from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import TypeAdapter
+from pydantic import PlainSerializer, TypeAdapter
 
 from trainer.reporting.digests import recipe_digest
-from trainer.reporting.skilled_games import Experiment, Extrapolation, Rounded
 from tril.analysis.summary import GameFigures
 from tril.demonstrators import SCRIPTED
 from tril.errors import Invalid
@@ -26,6 +25,9 @@ from tril.games.behaviours import Behaviour, score
 from tril.recipes import Recipe
 
 FILE_NAME = "ledger.jsonl"
+
+Rounded = Annotated[float, PlainSerializer(lambda value: round(value, 2))]
+"""A number of which the ledger keeps two digits."""
 
 PRECISION = "precision"
 """Name, among an entry's versions, of the number format that the policy learned in."""
@@ -160,8 +162,7 @@ class Entry:
         return sum(s for stage, s in self.seconds.items() if stage != "demonstrations") / 60
 
 
-Key = TypeVar("Key", LedgerCell, Experiment)
-_RESULT: TypeAdapter[Entry | Extrapolation] = TypeAdapter(Entry | Extrapolation)
+_ENTRY: TypeAdapter[Entry] = TypeAdapter(Entry)
 
 
 class Ledger:
@@ -177,10 +178,14 @@ class Ledger:
     def __init__(self, folder: Path) -> None:
         self.path = folder / FILE_NAME
         self._entries: dict[LedgerCell, Entry] = {}
-        self._extrapolations: dict[Experiment, Extrapolation] = {}
         for number, line in enumerate(_lines(self.path), start=1):
             try:
-                self._keep(_RESULT.validate_python(json.loads(line)))
+                data = json.loads(line)
+                # Up to version 0.3 ledgers had results of sanity experiments, too.
+                if "experiment" in data:
+                    continue
+                entry = _ENTRY.validate_python(data)
+                self._entries[entry.cell] = entry
             except (AttributeError, KeyError, TypeError, ValueError) as error:
                 raise Invalid(
                     f"Line {number} of {self.path} is not a finished result: {error!r}. Delete it"
@@ -192,29 +197,16 @@ class Ledger:
         """The results of runs, in the order of their cells."""
         return [self._entries[cell] for cell in sorted(self._entries)]
 
-    @property
-    def extrapolations(self) -> Sequence[Extrapolation]:
-        """The results of extrapolation experiments, in their order."""
-        return [self._extrapolations[key] for key in sorted(self._extrapolations)]
-
-    def missing(self, keys: Iterable[Key]) -> list[Key]:
+    def missing(self, cells: Iterable[LedgerCell]) -> list[LedgerCell]:
         """Return the missing results, in the given order."""
-        present: set[object] = {*self._entries, *self._extrapolations}
-        return [key for key in keys if key not in present]
+        return [cell for cell in cells if cell not in self._entries]
 
-    def add(self, result: Entry | Extrapolation) -> None:
+    def add(self, entry: Entry) -> None:
         """Add or replace a result, and write the file as a whole."""
-        self._keep(result)
-        results: list[Entry | Extrapolation] = [*self.entries, *self.extrapolations]
-        lines = [_RESULT.dump_json(result) for result in results]
+        self._entries[entry.cell] = entry
+        lines = [_ENTRY.dump_json(entry) for entry in self.entries]
         self.path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(self.path, b"".join(line + b"\n" for line in lines))
-
-    def _keep(self, result: Entry | Extrapolation) -> None:
-        if isinstance(result, Entry):
-            self._entries[result.cell] = result
-        else:
-            self._extrapolations[result.experiment] = result
 
 
 def _lines(path: Path) -> list[str]:

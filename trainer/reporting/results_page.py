@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from trainer.reporting.digests import recipe_digest
 from trainer.reporting.figures import (
     AliensRow,
     aliens_figure,
     attention_figure,
-    experiment_figure,
     returns_figure,
 )
-from trainer.reporting.ledger import Entry, Ledger, LedgerCell
+from trainer.reporting.ledger import Entry, Ledger
 from trainer.reporting.rendering import render
 from trainer.reporting.result_groups import (
     PLACES,
@@ -23,9 +21,8 @@ from trainer.reporting.result_groups import (
     group_results,
     over_behaviours,
 )
-from trainer.reporting.skilled_games import QUANTITIES, Experiment, tau_of
 from tril.analysis.outcome import AttentionState
-from tril.demonstrators import KINDS, SCRIPTED
+from tril.demonstrators import SCRIPTED
 from tril.files.artifact_store import write_whole
 from tril.games import published
 from tril.games.behaviours import score
@@ -115,8 +112,6 @@ def write_page(folder: Path) -> Path:
         write_whole(folder / f"aliens-{section.recipe}.png", _aliens(section.shown))
         panels = [(group.behaviour.name, group.entries[0]) for group in section.shown]
         write_whole(folder / f"returns-{section.recipe}.png", returns_figure(panels))
-    for extrapolation in ledger.extrapolations:
-        write_whole(folder / extrapolation.experiment.picture, experiment_figure(extrapolation))
     _draw_attention(folder, [group for section in sections for group in section.shown])
     page = folder / "README.md"
     write_whole(page, page_text(folder).encode())
@@ -130,38 +125,17 @@ def page_text(folder: Path) -> str:
         Invalid: The ledger can't be read.
     """
     ledger = Ledger(folder)
-    held_out = [entry for entry in _known(ledger) if not entry.cell.own_starts]
-    compared = _compared(
-        held_out,
-        lambda cell: (PLACES[cell.behaviour], cell.recipe, cell.digest, cell.steps),
-        lambda cell: cell.demonstrations,
-        [kind.name for kind in KINDS],
-    )
     return render(
         "results.md.j2",
         sections=_sections(folder, ledger),
-        others=compared,
-        kinds=[kind for kind in KINDS if kind.name in {g.cell.demonstrations for g in compared}],
         own_starts=_own_starts(folder, _known(ledger)),
-        extrapolations=ledger.extrapolations,
         starts=STARTS,
         policies=POLICIES,
-        quantities=QUANTITIES,
         has_attention=(folder / ATTENTION).exists(),
         score=score,
         over_behaviours=over_behaviours,
-        tau_of=tau_of,
-        reward_name=_reward_name,
         sticky_action_probability=STICKY_ACTION_PROBABILITY,
     )
-
-
-def _reward_name(experiment: Experiment) -> str:
-    """Return the recipe of an experiment's reward."""
-    recipe = RECIPES.get(experiment.recipe)
-    if recipe is not None and recipe_digest(recipe.reward) == experiment.digest:
-        return experiment.recipe
-    return f"{experiment.recipe} (other values, {experiment.digest})"
 
 
 def _known(ledger: Ledger) -> list[Entry]:
@@ -198,28 +172,6 @@ def _pages(folder: Path, entries: Mapping[int, Entry]) -> dict[int, str]:
     """Return the paths of those results' pages that are there."""
     pages = {key: f"{cell_folder(entry)}/README.md" for key, entry in sorted(entries.items())}
     return {key: page for key, page in pages.items() if (folder / page).exists()}
-
-
-def _compared(
-    entries: Iterable[Entry],
-    fixed: Callable[[LedgerCell], tuple[str | int, ...]],
-    varied: Callable[[LedgerCell], str],
-    order: Sequence[str],
-) -> list[ResultGroup]:
-    """Return results that differ in one respect, beside the ordinary one.
-
-    Args:
-        entries: All results.
-        fixed: Properties that compared results share, also the sort key.
-        varied: Property in which compared results differ.
-        order: Values of ``varied``, the ordinary one first.
-    """
-    entries = [entry for entry in entries if varied(entry.cell) in order]
-    compared = {fixed(entry.cell) for entry in entries if varied(entry.cell) != order[0]}
-    return sorted(
-        group_results(entry for entry in entries if fixed(entry.cell) in compared),
-        key=lambda group: (fixed(group.cell), order.index(varied(group.cell))),
-    )
 
 
 def _own_starts(folder: Path, entries: Sequence[Entry]) -> list[StartsRow]:

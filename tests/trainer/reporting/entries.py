@@ -28,12 +28,11 @@ def entry(
     seed: int = 0,
     steps: int = 1000,
     recipe: Recipe = FAST,
-    kind: str = "scripted",
     **values: Any,
 ) -> Entry:
     """Make a result in which each policy wins a start and one is a tie."""
     made = Entry(
-        cell=LedgerCell.of(behaviour, recipe, steps, seed, kind),
+        cell=LedgerCell.of(behaviour, recipe, steps, seed),
         finished_at="2026-01-02T03:04:05+00:00",
         seconds={"demonstrations": 600.0, "reward": 60.0, "imitator": 120.0},
         check={"tau": 1.0, "pair_accuracy": 0.99, "held_out_accuracy": 0.97},

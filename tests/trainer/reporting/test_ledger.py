@@ -14,14 +14,10 @@ from trainer.reporting import digests
 from trainer.reporting.digests import recipe_digest
 from trainer.reporting.ledger import Ledger
 from trainer.reporting.run_entry import read_entry
-from trainer.reporting.skilled_games import Experiment, Extrapolation, SkilledGame
 from tril.errors import Invalid
 from tril.recipes import FAST, PAPER, with_values
 from tril.store.models import RunStatus, now
 from tril.store.training import runs
-
-EXPERIMENT = Experiment.of("shots", FAST, 3)
-GAMES = (SkilledGame(0, 5, 0.5, True), SkilledGame(9, 10, 0.75, False))
 
 
 def test_added_results_are_read_back_and_no_longer_missing(tmp_path: Path) -> None:
@@ -29,17 +25,22 @@ def test_added_results_are_read_back_and_no_longer_missing(tmp_path: Path) -> No
     ledger = Ledger(tmp_path)
     assert ledger.missing([first.cell, second.cell]) == [first.cell, second.cell]
     ledger.add(first)
-    ledger.add(Extrapolation(EXPERIMENT, GAMES))
     again = Ledger(tmp_path)
     assert list(again.entries) == [first]
-    assert list(again.extrapolations) == [Extrapolation(EXPERIMENT, GAMES)]
     assert again.missing([first.cell, second.cell]) == [second.cell]
-    assert again.missing([EXPERIMENT, replace(EXPERIMENT, training_seed=4)])[0].training_seed == 4
     changed = replace(first, check={})
     again.add(changed)
     assert list(Ledger(tmp_path).entries) == [changed]
     lines = [json.loads(line) for line in again.path.read_text().splitlines()]
-    assert [line["version"] for line in lines] == [2, 2]
+    assert [line["version"] for line in lines] == [2]
+
+
+def test_a_sanity_experiment_of_an_earlier_version_is_passed_over(tmp_path: Path) -> None:
+    ledger = Ledger(tmp_path)
+    ledger.add(entry())
+    with ledger.path.open("a") as file:
+        file.write('{"version": 2, "experiment": {"quantity": "shots"}, "games": []}\n')
+    assert [*Ledger(tmp_path).entries] == [entry()]
 
 
 @pytest.mark.parametrize("line", ['{"cell": {}}', "[]", "{", '{"version": 3, "cell": {}}'])

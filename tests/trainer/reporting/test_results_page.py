@@ -7,11 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.trainer.reporting.entries import entry, game
+from tests.trainer.reporting.entries import entry
 from trainer.reporting.ledger import DEVICE, PRECISION, Entry, Ledger
 from trainer.reporting.results_page import cell_folder, page_text, write_page
-from trainer.reporting.skilled_games import Experiment, Extrapolation, SkilledGame
-from tril.recipes import FAST, Recipe, evaluated_on_own_start, with_values
+from tril.recipes import FAST, evaluated_on_own_start, with_values
 
 PUBLISHED = Path(__file__).parents[3] / "docs" / "results"
 ROW = "| 6 + 0 | 6 + 0 | 5 + 0 | 5 + 1 | 2 + 0 ✗ | 3 + 0 | tie / imitator / clone | float32 |"
@@ -87,20 +86,6 @@ def test_policies_trained_on_their_start_have_a_table_of_their_own(tmp_path: Pat
     assert pages == ", ".join(links)
 
 
-def test_other_demonstrations_stand_beside_the_ordinary_ones(tmp_path: Path) -> None:
-    games = {"imitator greedy": (game("row-1", 1, 4, 1),)}
-    kinds = [entry("row-1", kind=kind, games=games) for kind in ("no-wrong", "human", "six")]
-    assert "| `scripted` |" not in page_of(tmp_path, *kinds)
-    page = page_of(tmp_path, entry("row-1"), entry("row-1", steps=2000))
-    head, others = page.split("## Other demonstrations")
-    assert head.count("| Row 1 | 1,000 | 0 | imitator | 3.50 [") == 1
-    assert "4.00 [4.00, 4.00]" not in head
-    found = rows(others, "Row 1")
-    assert [row[3] for row in found] == ["`scripted`", "`human`", "`six`", "`no-wrong`"]
-    assert found[1][5:8] == ["4.00 [4.00, 4.00]", "1.00 [1.00, 1.00]", "0% [0%, 0%]"]
-    assert len({cell_folder(one) for one in Ledger(tmp_path).entries}) == 5
-
-
 @pytest.mark.parametrize(
     ("changes", "name"),
     [
@@ -131,30 +116,3 @@ def test_the_page_says_what_a_policy_learned_on(tmp_path: Path) -> None:
     on_gpu = entry(seed=1, versions={PRECISION: "bfloat16", DEVICE: "cuda"})
     page = page_of(tmp_path, here, on_gpu)
     assert [row[-1] for row in rows(page, "Column 2")][1:] == ["bfloat16", "bfloat16, GPU"]
-
-
-@pytest.mark.parametrize(
-    ("recipe", "name"),
-    [
-        (FAST, "fast"),
-        (with_values(FAST, {"reward.updates": 9}), "fast (other values, {})"),
-    ],
-)
-def test_extrapolation_experiments_say_which_values_their_reward_has(
-    tmp_path: Path, recipe: Recipe, name: str
-) -> None:
-    experiment = Experiment.of("shots", recipe, 3)
-    games = [(0, 5, 0.5, True), (9, 10, 1.0, False)]
-    Ledger(tmp_path).add(Extrapolation(experiment, tuple(SkilledGame(*one) for one in games)))
-    assert f"| shots | {name.format(experiment.digest)} | 3 |" in page_text(tmp_path)
-
-
-def test_extrapolation_experiments_have_a_table_and_a_picture(tmp_path: Path) -> None:
-    experiment = Experiment.of("shots", FAST, 3)
-    games = [(0, 5, 0.5, True), (0, 9, 0.9, True), (9, 8, 0.7, False), (9, 10, 1.0, False)]
-    found = Extrapolation(experiment, tuple(SkilledGame(*one) for one in games))
-    Ledger(tmp_path).add(found)
-    page = write_page(tmp_path).read_text()
-    assert "| shots | fast | 3 | 2 of 5 to 9 | 1.00 | 1 |  | 1 |  | 1 of 1 |" in page
-    assert f"]({experiment.picture})" in page
-    assert (tmp_path / experiment.picture).read_bytes().startswith(b"\x89PNG")
