@@ -6,6 +6,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from fastapi import APIRouter, Depends, FastAPI
 from fastapi.routing import APIRoute
@@ -53,6 +54,13 @@ from tril.store.rankings import RankingConflict
 __all__ = ["check_frontend", "create_app"]
 
 
+class _Application(FastAPI):
+    def openapi(self) -> dict[str, Any]:
+        if self.openapi_schema is None:
+            problems.describe_once(super().openapi())
+        return super().openapi()
+
+
 def create_app(
     settings: Settings, frontend: Path = FRONTEND, rules: PlayRules = DEFAULT_RULES
 ) -> FastAPI:
@@ -70,7 +78,7 @@ def create_app(
             app.state.services = services
             yield
 
-    app = FastAPI(
+    app = _Application(
         title="Tril",
         version=__version__,
         lifespan=lifespan,

@@ -19,7 +19,6 @@ from server.api.schemas.rankings import (
     Ranking,
     RankingConflict,
     RankingOpinion,
-    RankingRevision,
     RankingStep,
     RankingUpdate,
     ShownOrder,
@@ -47,7 +46,7 @@ from tril.analysis.wanted_aliens import Hits
 from tril.games import game_of
 from tril.ranking import normalise
 from tril.recording import Recording as StoredRecording
-from tril.store import answers, behaviours, borrowed, library, players, rankings, recordings
+from tril.store import answers, behaviours, borrowed, library, rankings, recordings
 from tril.store.models import RankingRow
 from tril.teaching import varied_games
 from tril.vocabulary.answers import Answer
@@ -105,19 +104,6 @@ def redo_ranking(
     return _view(
         session, rankings.redo(session, behaviour_id, step.base_revision, identity.player_id)
     )
-
-
-@router.get("/revisions", responses=NOT_FOUND)
-def list_ranking_revisions(
-    session: ReadSession, behaviour_id: BehaviourId
-) -> list[RankingRevision]:
-    """Return the revisions of the ranking, newest first."""
-    behaviours.get(session, behaviour_id)
-    names = players.names(session)
-    return [
-        RankingRevision.of(row, player=names.get(row.player_id or 0))
-        for row in rankings.revisions(session, behaviour_id)
-    ]
 
 
 @router.post("/games", status_code=201, responses=NOT_FOUND | CONFLICT)

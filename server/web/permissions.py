@@ -96,7 +96,6 @@ OPERATIONS: dict[Need, tuple[str, ...]] = {
         "save_ranking",
         "undo_ranking",
         "redo_ranking",
-        "list_ranking_revisions",
         "get_ranking_opinion",
         "understand_ranking",
         "answer_statement",

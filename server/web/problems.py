@@ -108,6 +108,20 @@ def explain_database_error(error: DBAPIError) -> Unavailable | None:
     return None
 
 
+def describe_once(document: dict[str, Any]) -> None:
+    """Replace the errors in an OpenAPI document that are alike by references to one description.
+
+    Args:
+        document: The document, which is changed.
+    """
+    shared: dict[str, Any] = document["components"].setdefault("responses", {})
+    for operations in document["paths"].values():
+        for operation in operations.values():
+            for status, response in operation["responses"].items():
+                if status >= "4" and shared.setdefault(status, response) == response:
+                    operation["responses"][status] = {"$ref": f"#/components/responses/{status}"}
+
+
 def install(app: FastAPI, headers: Mapping[str, str]) -> None:
     """Answer every error of an application with a Problem.
 

@@ -70,12 +70,6 @@ def current(session: Session, behaviour_id: int) -> RankingRow:
     return row or _empty(behaviour_id)
 
 
-def revisions(session: Session, behaviour_id: int, limit: int = 500) -> list[RankingRow]:
-    """Return the newest revisions, newest first."""
-    query = select(RankingRow).where(RankingRow.behaviour_id == behaviour_id)
-    return list(session.scalars(query.order_by(RankingRow.revision.desc()).limit(limit)))
-
-
 def history(session: Session, behaviour_id: int) -> list[RankingRow]:
     """Return every revision, oldest first."""
     query = select(RankingRow).where(RankingRow.behaviour_id == behaviour_id)

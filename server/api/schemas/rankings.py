@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from datetime import datetime
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import FailFast, Field, StrictBool
 
@@ -195,13 +194,3 @@ class Understanding(Schema):
     contradiction: ContradictingGames | None
     next_game: NextGame | None
     answers: list[StatementAnswer]
-
-
-class RankingRevision(Schema):
-    """A revision of a ranking and the change that made it."""
-
-    revision: int
-    tiers: list[list[int]]
-    change: Literal["edit", "undo", "redo", "import", "deletion", "example"]
-    player: str | None
-    created_at: datetime

@@ -18,7 +18,7 @@ from testsupport.protocol import FrameDecoder, read_frames_file
 from testsupport.workplace import FRAMES, Workplace
 from tril.files.cache import sealed
 from tril.games.space_invaders.memory import SCREEN_SHAPE
-from tril.store import behaviours
+from tril.store import behaviours, rankings
 from tril.store.models import RecordingRow, RecordingState, Verification
 
 
@@ -313,9 +313,10 @@ def test_deleting_a_ranked_recording_takes_it_out_of_the_ranking_and_restoring_p
     after = client.get("/api/behaviours/1/ranking").json()
     assert after["tiers"] == [tier for tier in before["tiers"] if tier != [gone]]
     assert after["revision"] == before["revision"] + 1
-    revisions = client.get("/api/behaviours/1/ranking/revisions").json()
-    assert revisions[0]["change"] == "deletion"
-    assert revisions[1]["tiers"] == before["tiers"], "every revision stays as it was done"
+    with workplace.database.reading() as session:
+        *_, kept, deletion = rankings.history(session, workplace.behaviour_id)
+    assert deletion.change == "deletion"
+    assert kept.tiers == before["tiers"], "every revision stays as it was done"
     listed = client.get("/api/behaviours/1/recordings").json()
     assert gone not in [item["id"] for item in listed]
     listed = client.get("/api/behaviours/1/recordings", params={"include": "deleted"}).json()

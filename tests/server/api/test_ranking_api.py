@@ -7,6 +7,7 @@ from starlette.testclient import TestClient
 
 from testsupport.libraries import unranked_in
 from testsupport.workplace import Workplace
+from tril.store import rankings
 from tril.store.models import RecordingRow, Verification
 
 PATH = "/api/behaviours/1/ranking"
@@ -76,10 +77,11 @@ def test_undo_and_redo_walk_through_what_was_done(client: TestClient, workplace:
     assert step("redo")["tiers"] == orders[0]
     revision = client.get(PATH).json()["revision"]
     assert not save(client, revision, [[d]])["can_redo"], "a new edit ends what could be redone"
-    changes = [item["change"] for item in client.get(f"{PATH}/revisions").json()]
+    with workplace.database.reading() as session:
+        changes = [row.change for row in rankings.history(session, workplace.behaviour_id)]
     assert changes == [
-        *["edit", "redo", "undo", "undo", "undo", "redo", "redo", "undo", "undo"],
         *["edit", "edit", "edit"],
+        *["undo", "undo", "redo", "redo", "undo", "undo", "undo", "redo", "edit"],
     ]
 
 
