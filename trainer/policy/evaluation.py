@@ -40,8 +40,6 @@ class EvaluatedGame:
         taken: The items taken, in order of time.
         end: Name of the end.
         died: Whether the player died.
-        counters: Counts, by name.
-        score: Rewards of the game itself.
         rewards: R of the state that the policy played on from and of the state after each of its T
             steps, float32 (T + 1,); None without a reward model.
     """
@@ -51,8 +49,6 @@ class EvaluatedGame:
     taken: tuple[Taken, ...]
     end: str
     died: bool
-    counters: dict[str, int]
-    score: float
     rewards: npt.NDArray[np.float32] | None
 
     @property
@@ -140,8 +136,6 @@ def play(
             taken=finished_game.taken,
             end=finished_game.end,
             died=finished_game.died,
-            counters=finished_game.counters,
-            score=finished_game.score,
             rewards=None if model is None else np.array(rewards[index], np.float32),
         )
         for index, finished_game in sorted(finished.items())

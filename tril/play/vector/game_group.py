@@ -46,12 +46,9 @@ class FinishedGame:
             demonstration or an opening.
         from_demonstration: whether it began in a demonstration.
         taken: the items taken, in order of time, since the start.
-        own_from: frame after which the vector's own actions begin.
         end: name of the end.
         died: whether it ended with the player's death.
         truncated: whether the time limit ended it.
-        counters: counts since the start, by name.
-        score: rewards of the game itself since the start.
     """
 
     game: int
@@ -60,17 +57,9 @@ class FinishedGame:
     first_step: int
     from_demonstration: bool
     taken: tuple[Taken, ...]
-    own_from: int
     end: str
     died: bool
     truncated: bool
-    counters: dict[str, int]
-    score: float
-
-    @property
-    def own_items(self) -> tuple[Taken, ...]:
-        """The items taken by the vector's own actions."""
-        return tuple(item for item in self.taken if item.frame > self.own_from)
 
 
 @dataclass(frozen=True)
@@ -241,12 +230,9 @@ class GameSlot:
             first_step=self._first_step,
             from_demonstration=self._from_demonstration,
             taken=episode.taken,
-            own_from=self._first_step * episode.game.clock.frames_per_step,
             end=episode.end,
             died=episode.died,
             truncated=episode.end == episode.game.time_end,
-            counters=episode.counters,
-            score=episode.score,
         )
         self._games_before += 1
         self.begin()
