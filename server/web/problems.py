@@ -109,7 +109,9 @@ def explain_database_error(error: DBAPIError) -> Unavailable | None:
 
 
 def describe_once(document: dict[str, Any]) -> None:
-    """Replace the errors in an OpenAPI document that are alike by references to one description.
+    """Remove from an OpenAPI document what it says again: errors of each operation, titles.
+
+    Errors that are alike become references to one description. Titles repeat names.
 
     Args:
         document: The document, which is changed.
@@ -120,6 +122,16 @@ def describe_once(document: dict[str, Any]) -> None:
             for status, response in operation["responses"].items():
                 if status >= "4" and shared.setdefault(status, response) == response:
                     operation["responses"][status] = {"$ref": f"#/components/responses/{status}"}
+    _drop_titles(document["components"])
+    _drop_titles(document["paths"])
+
+
+def _drop_titles(part: Any) -> None:
+    if isinstance(part, dict) and isinstance(part.get("title"), str):
+        del part["title"]
+    inner = part.values() if isinstance(part, dict) else part if isinstance(part, list) else ()
+    for value in inner:
+        _drop_titles(value)
 
 
 def install(app: FastAPI, headers: Mapping[str, str]) -> None:
