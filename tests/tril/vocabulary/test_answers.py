@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.tril.vocabulary.test_facts import played, words
+from tests.tril.vocabulary.test_facts import played
 from tril.games import game_named
 from tril.vocabulary.answers import (
     Answer,
@@ -18,8 +18,6 @@ from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.posterior import NothingPossible
 from tril.vocabulary.sentences import Telling, tell
 from tril.vocabulary.understanding import understand
-
-__all__ = ["words"]
 
 
 def told(words: Vocabulary, *answers: Answer) -> tuple[Telling, ...]:

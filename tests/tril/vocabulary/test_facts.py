@@ -45,12 +45,6 @@ def played(seed: int, n_steps: int = HORIZON, centre: float | None = None) -> Tr
     return Trace(memory, held, blobs)
 
 
-@pytest.fixture(scope="module")
-def words() -> Vocabulary:
-    background = np.zeros((210, 160), np.uint8)
-    return Vocabulary.of_games([played(seed) for seed in range(20)], background, 2, HORIZON)
-
-
 def test_the_thing_that_answers_the_buttons_is_the_players(words: Vocabulary) -> None:
     assert {kind.looks[0].colour for kind in words.kinds} == {STEERED, FREE}
     assert words.player is not None

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.tril.vocabulary.test_facts import STEERED, played, words
+from tests.tril.vocabulary.test_facts import STEERED, played
 from tril.demonstrators import play_randomly
 from tril.games import game_named
 from tril.games.base import Clock
@@ -25,8 +25,6 @@ from tril.vocabulary.posterior import Tiers
 from tril.vocabulary.sentences import tell
 from tril.vocabulary.understanding import understand
 from tril.vocabulary.watched import Watched, things_of
-
-__all__ = ["words"]
 
 N_SECONDS = 12
 

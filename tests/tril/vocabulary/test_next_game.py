@@ -7,14 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from tests.tril.vocabulary.test_facts import words
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.next_game import NextGame, next_game, shares_below
 from tril.vocabulary.posterior import Posterior, Statement
 from tril.vocabulary.sentences import Telling
 from tril.vocabulary.understanding import Understanding
-
-__all__ = ["words"]
 
 
 def choose(

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from tests.tril.vocabulary.test_facts import words
 from tril.games import game_named
 from tril.vocabulary.answers import Answer, Conditions, subject_of
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.pointing import meanings_of
 from tril.vocabulary.sentences import kind_name
-
-__all__ = ["words"]
 
 
 def test_each_thing_has_what_the_vocabulary_has_groups_for(words: Vocabulary) -> None:
