@@ -25,6 +25,15 @@ BROWSER_TESTS = Path(__file__).parent / "e2e"
 BROWSER_TEST_TIMEOUT_S = 600
 
 
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Leave out what the chosen mark has none of: to import all tests takes seconds."""
+    is_browsers = collection_path == BROWSER_TESTS
+    if config.option.markexpr == "not e2e":
+        return is_browsers or None
+    is_beside = collection_path.parent == BROWSER_TESTS.parent and not is_browsers
+    return (config.option.markexpr == "e2e" and is_beside) or None
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> Generator[None]:
     """Mark what needs a browser; of what is to be run, put it in the order that ends soonest."""
