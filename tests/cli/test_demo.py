@@ -11,7 +11,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
+from cli.main import app
 from testsupport.recipes import SMALLEST
 from trainer.reporting.run_entry import read_entry
 from tril.settings import Settings
@@ -79,9 +81,11 @@ def test_the_smallest_demo_is_complete(data_folder: Path, tmp_path: Path) -> Non
     assert [shown.rank for shown in entry.demonstrations] == list(range(1, 13))
     database.close()
 
-    (again,) = tril(
-        "evaluate", run.id, "--starts", "7", "--action-selection", "sticky", "--json"
-    ).splitlines()
+    played = CliRunner().invoke(
+        app, ["evaluate", run.id, "--starts", "7", "--action-selection", "sticky", "--json"]
+    )
+    assert played.exit_code == 0, played.output
+    (again,) = played.stdout.splitlines()
     stored = next(
         game
         for game in games

@@ -55,34 +55,38 @@ def run(
     return done
 
 
+ROMS_ELSEWHERE = {"ALE_ROMS_DIR": "/usr"}
+
 FOREIGN = {
-    "ROMs elsewhere": {"ALE_ROMS_DIR": "/usr"},
-    "ROMs nowhere": {"ALE_ROMS_DIR": "/nowhere"},
-    "a backend that is not installed": {"MPLBACKEND": "module://nowhere"},
-    "folders that are missing": {
-        "HOME": "/nowhere",
-        "TMPDIR": "/nowhere",
-        "XDG_CACHE_HOME": "/nowhere",
-        "MPLCONFIGDIR": "/proc/nowhere",
-    },
-    "a locale without letters": {
-        "LC_ALL": "C",
-        "PYTHONUTF8": "0",
-        "PYTHONCOERCECLOCALE": "0",
-        "PYTHONIOENCODING": "ascii",
-    },
-    "a terminal": {"COLUMNS": "3", "NO_COLOR": "1", "TERM": "x", "TZ": "x/y"},
-    "other applications": {
-        "DBOS__CLOUD": "true",
-        "DBOS__VMID": "x",
-        "PGHOST": "/nowhere",
-        "PORT": "x",
-        "WEB_CONCURRENCY": "x",
-    },
+    "ALE_ROMS_DIR": "/nowhere",
+    # A backend that is not installed.
+    "MPLBACKEND": "module://nowhere",
+    # Folders that are missing.
+    "HOME": "/nowhere",
+    "TMPDIR": "/nowhere",
+    "XDG_CACHE_HOME": "/nowhere",
+    "MPLCONFIGDIR": "/proc/nowhere",
+    # A locale without letters.
+    "LC_ALL": "C",
+    "PYTHONUTF8": "0",
+    "PYTHONCOERCECLOCALE": "0",
+    "PYTHONIOENCODING": "ascii",
+    # A terminal.
+    "COLUMNS": "3",
+    "NO_COLOR": "1",
+    "TERM": "x",
+    "TZ": "x/y",
+    # Other applications.
+    "DBOS__CLOUD": "true",
+    "DBOS__VMID": "x",
+    "PGHOST": "/nowhere",
+    "PORT": "x",
+    "WEB_CONCURRENCY": "x",
 }
+"""All at once: each command takes seconds to start, and none of these hides another."""
 
 
-@pytest.mark.parametrize("foreign", FOREIGN.values(), ids=FOREIGN)
+@pytest.mark.parametrize("foreign", [ROMS_ELSEWHERE, FOREIGN], ids=["ROMs", "everything"])
 def test_only_what_is_asked_for_is_printed(data: Path, foreign: dict[str, str]) -> None:
     done = run(data, "recordings", "verify", "-b", "column-1", environ=foreign)
     assert (done.returncode, done.stdout) == (0, b"1 of 1 recordings verify.\n"), done.stderr
@@ -91,7 +95,6 @@ def test_only_what_is_asked_for_is_printed(data: Path, foreign: dict[str, str]) 
 
 
 def test_whatever_learns_is_loaded_and_keeps_its_queue() -> None:
-    foreign = {name: value for one in FOREIGN.values() for name, value in one.items()}
     program = (
         "import trainer.runtime.worker, trainer.reporting.figures, tempfile, matplotlib\n"
         "from pathlib import Path\n"
@@ -107,7 +110,7 @@ def test_whatever_learns_is_loaded_and_keeps_its_queue() -> None:
     done = subprocess.run(
         [sys.executable, "-c", program],
         cwd=ROOT,
-        env={**os.environ, **foreign},
+        env={**os.environ, **FOREIGN},
         capture_output=True,
         check=False,
     )

@@ -153,7 +153,8 @@ def test_the_score_of_the_imitator_is_set_beside_the_demonstrations(
             assert min(games) >= 1
 
     file.unlink()
-    tril(*command)
+    again = CliRunner().invoke(app, command)
+    assert again.exit_code == 0, again.output
     assert json.loads(file.read_text()) == result
 
 
