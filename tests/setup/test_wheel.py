@@ -26,26 +26,33 @@ pytestmark = [pytest.mark.lengthy, pytest.mark.timeout(600)]
 @pytest.fixture(scope="module")
 def programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the programs of an environment that Tril was installed into, from its wheel alone."""
-    dist = tmp_path_factory.mktemp("dist")
+    folder = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        # Each of pytest's processes may have a test of this module; the first makes it for all.
+        folder = folder.parent
+    environment, installed = folder / "environment", folder / "installed"
+    with (folder / "wheel.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not installed.exists():
+            _install(folder / "dist", environment)
+            installed.touch()
+    return environment / "bin"
+
+
+def _install(dist: Path, environment: Path) -> None:
+    """Build the wheel in a folder and install it into a new environment."""
     # Pytest may have been started by a make, whose flags must not reach this one.
     environ = {k: v for k, v in os.environ.items() if k not in {"MAKEFLAGS", "MAKELEVEL", "ARGS"}}
     make = ["make", "--silent", "wheel", f"DIST={dist}"]
-    with (ROOT / "pyproject.toml").open() as lock:
-        # Two of pytest's processes may have tests of this module, and both builds empty the same
-        # folder of the page first.
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        subprocess.run(make, cwd=ROOT, env=environ, check=True)
+    subprocess.run(make, cwd=ROOT, env=environ, check=True)
     (wheel,) = dist.glob("*.whl")
-
-    environment = tmp_path_factory.mktemp("environment")
-    venv.create(environment)
+    venv.create(environment, clear=True)
     python = str(environment / "bin/python")
     pip = [sys.executable, "-m", "pip", "--python", python, "install"]
     subprocess.run([*pip, "--quiet", "--no-index", "--no-deps", str(wheel)], check=True)
     # What Tril needs comes from this environment: installing it anew would take minutes.
     packages = sysconfig.get_path("purelib", "venv", {"base": str(environment)})
     (Path(packages) / "dependencies.pth").write_text(sysconfig.get_path("purelib"))
-    return environment / "bin"
 
 
 @pytest.fixture
