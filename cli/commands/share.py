@@ -37,11 +37,12 @@ def share(
 ) -> None:
     """Write a finished run as one page that plays its games anywhere, and its poster beside it."""
     from server.web.pages import share_parts
-    from trainer.sharing.page import Parts, make_share_page, write_share_page
+    from trainer.sharing.page import Parts, make_share_page, poster_path, write_share_page
 
     with open_workspace() as workspace:
         if output.suffix != ".html":
             raise Invalid(f"Expected a name that ends in .html, got {output.name}.")
+        poster_path(output)
         with workspace.database.reading() as session:
             run_id = _run_id(session, run)
         store = ArtifactStore(workspace.settings.artifact_root)

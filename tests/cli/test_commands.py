@@ -240,6 +240,15 @@ def test_a_run_is_written_as_a_page_and_all_behaviours_as_a_gallery(
     run_id = make_finished_run(workplace)
     assert "Wrote" in _run("runs", "share", "column-1", "-o", str(file))
     assert file.with_suffix(".png").read_bytes().startswith(b"\x89PNG")
+    own = tmp_path / "own.png"
+    own.write_bytes(b"\x89PNG of mine")
+    refusal = _run("runs", "share", run_id, "-o", str(own.with_suffix(".html")), status=1)
+    assert "would overwrite" in refusal
+    assert "choose another name" in " ".join(refusal.split())
+    assert own.read_bytes() == b"\x89PNG of mine"
+    assert not own.with_suffix(".html").exists()
+    # A page that is written again replaces its own poster.
+    assert "Wrote" in _run("runs", "share", "column-1", "-o", str(file))
     by_id = tmp_path / "again.html"
     _run("runs", "share", run_id, "-o", str(by_id))
     assert by_id.read_bytes() == file.read_bytes()

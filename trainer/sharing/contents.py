@@ -13,6 +13,7 @@ from trainer.sharing.figures import Figure, figures_of
 from trainer.sharing.words import result_of
 from tril.analysis.outcome import ToldStatement
 from tril.analysis.verdict import Verdict
+from tril.demonstrators import kind_named
 from tril.errors import Invalid, NotFound
 from tril.files.artifact_store import ArtifactStore
 from tril.games import game_of
@@ -82,6 +83,7 @@ class Contents:
         imitator: The imitator's game; None if it has played none.
         best: The best demonstration, if there is one.
         ranked: The ranked games, the best first.
+        n_swapped: Pairs of neighbouring places that the scripted player swapped on purpose.
         statements: What Tril understood, the most probable first.
         figures: At most five.
     """
@@ -95,6 +97,7 @@ class Contents:
     imitator: SharedGame | None
     best: SharedGame | None
     ranked: tuple[SharedGame, ...]
+    n_swapped: int
     statements: tuple[Statement, ...]
     figures: tuple[Figure, ...]
 
@@ -143,6 +146,7 @@ def read_contents(database: Database, run_id: str, data: Path) -> Contents:
             imitator=None if played is None else _shared(played.recording, behaviour, game),
             best=None if best is None else _shared(best, behaviour, game),
             ranked=ranked,
+            n_swapped=kind_named(run.example_kind).n_mistakes if run.example else 0,
             statements=_statements(check.statements if check else (), data, game),
             figures=tuple(
                 figures_of(

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
 from tril.games.base import Console, Game, Screen
 from tril.play.episode import Episode
@@ -152,10 +153,12 @@ def picture_of(screen: Screen, game: Game) -> Image.Image:
     return picture
 
 
-def png(picture: Image.Image) -> bytes:
-    """Return a picture as a PNG."""
-    file = io.BytesIO()
-    picture.save(file, "PNG", optimize=True)
+def png(picture: Image.Image, comment: str = "") -> bytes:
+    """Return a picture as a PNG, with a comment in Latin-1."""
+    file, texts = io.BytesIO(), PngInfo()
+    if comment:
+        texts.add_text("Comment", comment)
+    picture.save(file, "PNG", optimize=True, pnginfo=texts)
     return file.getvalue()
 
 

@@ -15,7 +15,7 @@ from typing import Any
 from trainer.reporting.rendering import png_url, render
 from trainer.sharing.contents import Contents, SharedGame, levels_of, read_contents
 from trainer.sharing.films import DeadlinePassed, Film, film_of, picture_of, png
-from trainer.sharing.poster import poster_of
+from trainer.sharing.poster import is_poster, poster_of
 from tril import __version__
 from tril.errors import Invalid
 from tril.files.artifact_store import ArtifactStore, write_whole
@@ -245,10 +245,29 @@ def make_share_page(
 
 
 def write_share_page(page: SharePage, path: Path) -> Path:
-    """Write a page, and its poster beside it; return the poster's path."""
-    poster = path.with_suffix(".png")
+    """Write a page, and its poster beside it; return the poster's path.
+
+    Raises:
+        Invalid: Another picture has the poster's name.
+    """
+    poster = poster_path(path)
     write_whole(path, page.html)
     write_whole(poster, page.poster)
+    return poster
+
+
+def poster_path(path: Path) -> Path:
+    """Return where the poster of a page goes.
+
+    Raises:
+        Invalid: There is a file that is no poster, which would be lost.
+    """
+    poster = path.with_suffix(".png")
+    if poster.exists() and not is_poster(poster.read_bytes()):
+        raise Invalid(
+            f"The page's poster would overwrite {poster}. Move that file, or choose another name"
+            " for the page."
+        )
     return poster
 
 

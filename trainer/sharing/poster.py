@@ -23,6 +23,9 @@ N_COLOURS = 128
 LONGEST_NAME = 46
 """Characters of a behaviour's name that fit."""
 
+MARK = "Poster made by Tril"
+"""Comment in the file."""
+
 PAPER, INK, FAINT, ACCENT = "#131312", "#ecebe4", "#b5b1a6", "#c6d44a"
 """Those of the pages in the dark (frontend/src/styles/tokens.css)."""
 
@@ -52,7 +55,12 @@ def poster_of(contents: Contents, stills: Sequence[tuple[str, Screen]]) -> bytes
     words = contents.verdict.sentence if contents.verdict else contents.behaviour.description
     lines = textwrap.wrap(words, 86, max_lines=2, placeholder=" \u2026")
     draw.multiline_text((text, top + 46), "\n".join(lines), FAINT, _font("DejaVuSans", 22))
-    return png(poster.quantize(N_COLOURS, dither=Image.Dither.NONE))
+    return png(poster.quantize(N_COLOURS, dither=Image.Dither.NONE), MARK)
+
+
+def is_poster(content: bytes) -> bool:
+    """Return whether a file is a poster, which a newer one may replace."""
+    return MARK.encode("latin-1") in content
 
 
 def _scaled(still: Screen, game: Game, width: int, height: int) -> Image.Image:
