@@ -21,7 +21,7 @@ from tril.files.artifact_store import ArtifactStore
 from tril.games import game_of
 from tril.games.base import Game
 from tril.games.behaviours import Behaviour
-from tril.jobs import RunEta
+from tril.jobs import RunEta, SteadyRemaining
 from tril.recipes import Recipe
 from tril.settings import Settings
 from tril.stages import Stage
@@ -62,6 +62,7 @@ class RunContext:
         eta: Expected duration of the run's stages.
         threads: Threads that learning may use.
         stopping: Set when the worker is being stopped.
+        remaining: What is told of the remaining time, over all stages.
     """
 
     lease: Lease
@@ -75,6 +76,7 @@ class RunContext:
     eta: RunEta
     threads: int
     stopping: threading.Event
+    remaining: SteadyRemaining = field(default_factory=SteadyRemaining, init=False)
     _checked_at: float = field(default=-math.inf, init=False)
     _heard_at: float = field(default_factory=time.monotonic, init=False)
 
@@ -221,9 +223,10 @@ class StageProgress:
         if gained < SETTLED_SHARE:
             gained = took_s = 0.0
         context = self._context
-        return context.eta.remaining_s(
+        estimate_s = context.eta.remaining_s(
             context.run.finished_stages, self._stage, self._share, gained, took_s
         )
+        return context.remaining.update(self._clock(), estimate_s)
 
     def seconds(self) -> float:
         """Return the duration of the whole stage, extrapolated if it began at a checkpoint."""

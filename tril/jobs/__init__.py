@@ -5,7 +5,7 @@ own) only brings a run's id to a worker, at least once; the worker asks the row 
 """
 
 from tril.jobs.delivery import Jobs
-from tril.jobs.eta import CostEstimate, RunEta, estimate, overall_progress
+from tril.jobs.eta import CostEstimate, RunEta, SteadyRemaining, estimate, overall_progress
 from tril.jobs.queue import QUEUES, WORKFLOW, executor_config, prepare_queue
 
 __all__ = [
@@ -14,6 +14,7 @@ __all__ = [
     "CostEstimate",
     "Jobs",
     "RunEta",
+    "SteadyRemaining",
     "estimate",
     "executor_config",
     "overall_progress",

@@ -5,6 +5,7 @@ Estimates are scaled by the newest finished run of the same recipe, if there is 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
@@ -27,6 +28,9 @@ how fast the machine is."""
 PRIOR_SHARE = 0.25
 """What a run has done says as much of the stages to come as their estimate when it is this share of
 the whole: a short stage says little of a long one."""
+
+SMOOTHED_S = 90.0
+"""Time constant of the mean of estimates that people are told."""
 
 
 @dataclass(frozen=True)
@@ -151,6 +155,43 @@ class RunEta:
             for name, seconds in self.seconds.items()
             if name not in finished
         }
+
+
+def coarse_step_s(remaining_s: float) -> float:
+    """Return the seconds to which a remaining time is told: a minute, five, or a quarter hour."""
+    if remaining_s < 600.0:
+        return 60.0
+    return 300.0 if remaining_s < 3600.0 else 900.0
+
+
+@dataclass
+class SteadyRemaining:
+    """Remaining time that counts down, and is corrected by no less than a coarse step.
+
+    Estimates jump where a stage begins or is slower for a while. Their mean over the last minutes
+    says when the run ends; what is told follows it once it is a coarse step off.
+    """
+
+    _mean_end: float | None = None
+    _told_end: float = 0.0
+    _at: float = 0.0
+
+    def update(self, at: float, estimate_s: float) -> float:
+        """Take an estimate in, and return what is told.
+
+        Args:
+            at: Seconds of a monotonic clock.
+            estimate_s: Estimated seconds to the end of the run.
+        """
+        end = at + estimate_s
+        if self._mean_end is None:
+            self._mean_end = self._told_end = end
+        weight = 1.0 - math.exp((self._at - at) / SMOOTHED_S)
+        self._mean_end += weight * (end - self._mean_end)
+        self._at = at
+        if abs(self._mean_end - self._told_end) >= coarse_step_s(self._told_end - at):
+            self._told_end = self._mean_end
+        return max(0.0, self._told_end - at)
 
 
 def _bounded(slowness: float) -> float:

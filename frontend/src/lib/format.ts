@@ -158,9 +158,15 @@ export function duration(s: number): string {
   return plural(Math.round(hours / 24), { one: "# day", other: "# days" });
 }
 
-/** Formats the remaining time, "about 17 min left"; empty if unknown. */
+/**
+ * Formats the remaining time, "about 9 min left", in minutes, from ten on in fives, from an hour on
+ * in quarters; empty if unknown.
+ */
 export function remaining(s: number | null): string {
-  return s === null ? "" : t`about ${duration(s)} left`;
+  if (s === null) return "";
+  if (s < 60) return t`less than a minute left`;
+  const step = s < 600 ? 60 : s < 3600 ? 300 : 900;
+  return t`about ${duration(Math.round(s / step) * step)} left`;
 }
 
 /** Formats bytes in decimal units: "1.5 kB", "14 MB". */

@@ -9,6 +9,7 @@ import {
   measured,
   ordinal,
   percent,
+  remaining,
   shortCount,
   stepLabels,
   tickLabels,
@@ -84,6 +85,16 @@ describe("sizes and times", () => {
     expect(ago("2026-03-10T09:00:00Z", now)).toBe("3 h ago");
     expect(ago("2026-03-01T12:00:00Z", now)).toBe("Mar 1, 2026");
   });
+});
+
+describe("the remaining time", () => {
+  it.each([
+    [20, "less than a minute left"],
+    [540, "about 9\u00a0min left"],
+    [1000, "about 15\u00a0min left"],
+    [3500, "about 1\u00a0h 00\u00a0min left"],
+    [5000, "about 1\u00a0h 30\u00a0min left"],
+  ])("of %d s is told coarsely: %s", (s, text) => expect(remaining(s)).toBe(text));
 });
 
 describe("ticks", () => {

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import itertools
 
+import numpy as np
 import pytest
 
 from testsupport.workplace import Workplace
 from tril.jobs import CostEstimate, RunEta, estimate, overall_progress
 from tril.jobs.durations import expected_seconds
-from tril.jobs.eta import NEGLIGIBLE_S, PRIOR_SHARE
+from tril.jobs.eta import NEGLIGIBLE_S, PRIOR_SHARE, SteadyRemaining
 from tril.recipes import FAST, RECIPES, Recipe
 from tril.stages import Stage, stages_of
 from tril.store.models import RunRow, RunStatus
@@ -88,6 +89,27 @@ def test_what_remains_at_a_steady_pace_is_what_progress_leaves() -> None:
         left = 1.0 - ETA.progress({"reward"}, "imitator", done)
         remaining_s = ETA.remaining_s({"reward": 10.0}, "imitator", done, done, 100.0 * done)
         assert remaining_s == pytest.approx(130.0 * left)
+
+
+def test_a_told_remaining_time_counts_down_and_is_corrected_by_coarse_steps_only() -> None:
+    steady, told = SteadyRemaining(), []
+    rng = np.random.default_rng(3)
+    for second in range(1200):
+        # A run of 30 minutes whose estimates swing by a quarter, and one stage that is slower.
+        left_s = 1800.0 - second + (600.0 if 400 <= second < 430 else 0.0)
+        told.append(steady.update(float(second), left_s * rng.uniform(0.75, 1.25)))
+    rises = [after - before for before, after in itertools.pairwise(told) if after > before]
+    assert all(rise >= 60.0 - 1.0 for rise in rises)
+    assert len(rises) <= 3
+    assert abs(told[-1] - 600.0) < 2 * 60.0 + 60.0
+
+
+def test_a_told_remaining_time_follows_a_run_that_turns_out_to_be_slower() -> None:
+    steady = SteadyRemaining()
+    assert steady.update(0.0, 300.0) == pytest.approx(300.0)
+    for second in range(1, 600):
+        told = steady.update(float(second), 1800.0 - second)
+    assert told == pytest.approx(1200.0, abs=300.0)
 
 
 def finish_run(

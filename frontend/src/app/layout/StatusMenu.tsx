@@ -5,24 +5,28 @@ import { useState, useSyncExternalStore } from "react";
 
 import { connection } from "@/api/connection";
 import { isAlive, systemQuery } from "@/api/system";
-import type { System } from "@/api/types";
+import { activeRunsQuery } from "@/api/runs";
+import type { Run, System } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
 import { useOnlyPlays } from "@/components/people/use-only-plays";
 import { classes } from "@/lib/classes";
-import { bytes } from "@/lib/format";
+import { bytes, percentDone } from "@/lib/format";
 
 import styles from "./StatusMenu.module.css";
 
 /** Whether the worker is running, or not known to be, with a dialog about processes and disk usage. */
 export function StatusMenu() {
-  const { data: system } = useQuery({ ...systemQuery, enabled: useOnlyPlays() === false });
+  const enabled = useOnlyPlays() === false;
+  const { data: system } = useQuery({ ...systemQuery, enabled });
+  const { data: active = [] } = useQuery({ ...activeRunsQuery, enabled });
+  const training = active.filter((run) => run.status === "running" || run.status === "cancelling");
   const { reachable, live } = useSyncExternalStore(connection.subscribe, connection.snapshot);
   const [open, setOpen] = useState(false);
   const worker = isAlive(system, "worker");
   if (!system || worker === null) return null;
   const isCurrent = reachable && live;
-  const status = isCurrent ? workerStatus(system, worker) : t`No connection`;
+  const status = isCurrent ? workerStatus(system, worker, training) : t`No connection`;
   return (
     <>
       <Button
@@ -47,8 +51,11 @@ export function StatusMenu() {
 }
 
 /** What people read of the workers; a busy one lives, but its machine leaves it no time. */
-function workerStatus(system: System, alive: boolean): string {
+function workerStatus(system: System, alive: boolean, training: readonly Run[]): string {
   if (!alive) return t`Worker not running`;
+  const [first] = training;
+  if (first && training.length === 1) return t`Training, ${percentDone(first.progress)}`;
+  if (first) return t`Training ${training.length} runs`;
   const isReady = system.processes.some(
     (process) => process.kind === "worker" && process.alive && !process.busy,
   );

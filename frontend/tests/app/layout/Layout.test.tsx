@@ -59,6 +59,14 @@ describe("every page", () => {
     expect(await screen.findByText("Worker ready")).toBeVisible();
   });
 
+  it("says that the worker trains, and how far it is", async () => {
+    const training = run({ id: "r1", status: "running", progress: 0.42 });
+    serve({ ...CALM, "GET /api/runs": () => [training] });
+    open("/");
+    expect(await screen.findByText("Training, 42%")).toBeVisible();
+    expect(screen.queryByText("Worker ready")).toBeNull();
+  });
+
   it("says that nothing is known of the worker while the change stream is silent", async () => {
     serve(CALM);
     open("/");
