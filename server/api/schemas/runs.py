@@ -295,14 +295,17 @@ class Artifact(Schema):
 class RewardTrace(Schema):
     """R (raw output) of every observation of a recording, by step, beginning with the start.
 
-    ``levels`` are R scaled: 0 is how demonstrations begin, 1 how the best ones end. The deviations
-    are the standard deviations of both, null if the reward model does not know them.
+    ``levels`` are R scaled: 0 is ``zero_level_reward``, how demonstrations begin, and 1 is
+    ``unit_level_reward``, how the best ones end. The deviations are the standard deviations of
+    both, null if the reward model does not know them.
     """
 
     run_id: str
     recording_id: int
     rewards: list[float]
     levels: list[float]
+    zero_level_reward: float
+    unit_level_reward: float
     reward_deviations: list[float] | None
     level_deviations: list[float] | None
 

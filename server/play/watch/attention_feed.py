@@ -64,6 +64,7 @@ class AttentionFeed:
                 if shown_frames.get(lane.number) == frame:
                     continue
                 try:
+                    unit = await self._unit(watched)
                     attention = await self._client.attention(
                         "reward" if watched == "reward" else lane.game.actor.policy,
                         lane.game.observation,
@@ -74,18 +75,25 @@ class AttentionFeed:
                     _LOG.info("No attention maps are shown: %s", error)
                     return
                 shown_frames[lane.number] = frame
-                await self._socket.send_message(_message(lane.number, frame, attention))
+                await self._socket.send_message(_message(lane.number, frame, attention, unit))
                 await asyncio.sleep(REST_S)
             await asyncio.sleep(REST_S)
 
+    async def _unit(self, watched: Watched) -> float:
+        """Return the unit of a map's values: of the reward, R between the levels 0 and 1."""
+        if watched != "reward":
+            return 1.0
+        zero_level, unit_level = await self._client.scale()
+        return abs(unit_level - zero_level)
 
-def _message(lane: int, frame: int, attention: AttentionMap) -> LaneAttention:
+
+def _message(lane: int, frame: int, attention: AttentionMap, unit: float) -> LaneAttention:
     peak = float(attention.values.max())
     shares = attention.values / peak if peak > 0.0 else attention.values
     return LaneAttention(
         lane=lane,
         frame=frame,
-        most=peak,
+        most=peak / unit,
         action=None if attention.action is None else int(attention.action),
         shares=b64encode(np.rint(255.0 * shares).astype(np.uint8).tobytes()).decode(),
     )

@@ -221,23 +221,25 @@ class Decision(Message):
 
 
 class LaneReward(Message):
-    """R of a lane's state at a frame, by the run's reward model.
+    """The level of R of a lane's state at a frame, by the run's reward model.
 
-    ``deviation`` is its standard deviation, None if the model does not know it.
+    0 is how demonstrations begin, 1 how the best ones end. ``deviation`` is its standard
+    deviation, None if the model does not know it.
     """
 
     type: Literal["reward"] = "reward"
     lane: int
     frame: int
-    reward: float
+    level: float
     deviation: float | None
 
 
 class LaneAttention(Message):
     """What a network looks at in a lane's state at a frame, by the gradient.
 
-    ``shares`` are the 84x84 values of the map, bytes, 255 for ``most``, base64. ``most`` is in R
-    for the reward model; for a policy in the log odds of ``action``, which it would choose.
+    ``shares`` are the 84x84 values of the map, bytes, 255 for ``most``, base64. ``most`` is in
+    levels of R for the reward model; for a policy in the log odds of ``action``, which it would
+    choose.
     """
 
     type: Literal["attention"] = "attention"

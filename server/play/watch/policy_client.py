@@ -18,10 +18,13 @@ from tril.inference.messages import (
     parse_header,
     raise_refusal,
 )
-from tril.play.observation import Observation, Observations
+from tril.play.observation import SIZE, STACK, Observation, Observations
 
 TIMEOUT_S = 20.0
 """Loading the networks of a run for the first time takes most of a second."""
+
+
+_NO_OBSERVATIONS = np.empty((0, STACK, SIZE, SIZE), np.uint8)
 
 
 class PolicyClient:
@@ -42,6 +45,7 @@ class PolicyClient:
         self._timeout_s = timeout_s
         self._lock = asyncio.Lock()
         self._opened: Streams | None = None
+        self._scale: tuple[float, float] | None = None
 
     async def act(
         self, policies: Sequence[str], observations: Observations
@@ -80,6 +84,14 @@ class PolicyClient:
             "background": background,
         }
         return AttentionMap.of(*await self._ask(request, observation[None]))
+
+    async def scale(self) -> tuple[float, float]:
+        """Return R at which the level is 0, and R at which it is 1; raises as ``act``."""
+        if self._scale is None:
+            _, values = await self._ask({"op": "scale"}, _NO_OBSERVATIONS)
+            zero_level, unit_level = np.frombuffer(values, np.float32).tolist()
+            self._scale = zero_level, unit_level
+        return self._scale
 
     def close(self) -> None:
         """Close the connection."""

@@ -298,6 +298,7 @@ class WatchSession:
         observations: Observations,
     ) -> None:
         try:
+            zero_level, unit_level = await critic.scale()
             judged = await critic.judge(observations)
         except TrilError as error:
             # The figure is left out; whether the games can go on is for their actions to say.
@@ -305,13 +306,16 @@ class WatchSession:
             self._critic = None
             critic.close()
             return
+        levels = (judged.rewards - zero_level) / (unit_level - zero_level)
         deviations = judged.deviations
         for index, (lane, frame) in enumerate(zip(lanes, frames, strict=True)):
             await self.socket.send_message(
                 LaneReward(
                     lane=lane.number,
                     frame=frame,
-                    reward=float(judged.rewards[index]),
-                    deviation=None if deviations is None else float(deviations[index]),
+                    level=float(levels[index]),
+                    deviation=None
+                    if deviations is None
+                    else float(deviations[index]) / abs(unit_level - zero_level),
                 )
             )

@@ -9,7 +9,7 @@ import type { Recording, RewardTrace } from "@/api/types";
 import { Loading, Notice } from "@/components/feedback/States";
 import { Legend } from "@/components/recording/Legend";
 import { useGame } from "@/games/game";
-import { fixed, measured, withDeviation } from "@/lib/format";
+import { fixed, withDeviation } from "@/lib/format";
 import type { Playback } from "@/lib/game/playback";
 
 import styles from "./RewardCurve.module.css";
@@ -66,23 +66,22 @@ interface CurveProps {
 function Curve({ trace, playback, last, hits }: CurveProps) {
   const game = useGame();
   const { frame } = useSyncExternalStore(playback.subscribe, playback.snapshot);
-  const { levels, rewards, level_deviations: deviations } = trace;
+  const { levels, level_deviations: deviations } = trace;
   const curves = useMemo(() => [{ levels, deviations, hits }], [levels, deviations, hits]);
   const step = stepAt(frame, levels.length, game);
   const levelText = withDeviation(fixed(levels[step] ?? NaN, 2), deviations?.[step]);
-  const rewardText = withDeviation(measured(rewards[step] ?? NaN), trace.reward_deviations?.[step]);
   return (
     <>
       <RewardPlot
         curves={curves}
         playback={playback}
         last={last}
-        valueAt={() => t`step ${step}, level ${levelText}`}
+        valueAt={() => t`step ${step}, R ${levelText}`}
       />
       <Legend>
         <span>
           <Trans>
-            Level {levelText} (R {rewardText}) at step {step}
+            R {levelText} at step {step}
           </Trans>
         </span>
         <span>

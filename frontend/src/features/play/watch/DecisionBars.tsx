@@ -12,7 +12,7 @@ import type { Decision } from "./watch-messages";
 /** Updates the bars without rendering: they change 15 times a second. */
 export interface DecisionHandle {
   decide: (decision: Decision) => void;
-  reward: (reward: number, deviation: number | null) => void;
+  reward: (level: number, deviation: number | null) => void;
 }
 
 /** How likely the policy finds each action of the next step, and what the reward model says. */
@@ -31,8 +31,8 @@ export function DecisionBars({ handle }: { handle: RefObject<DecisionHandle | nu
         if (text) text.textContent = percent(share, 0);
       }
     },
-    reward: (reward, deviation) => {
-      if (figure.current) figure.current.textContent = withDeviation(fixed(reward, 2), deviation);
+    reward: (level, deviation) => {
+      if (figure.current) figure.current.textContent = withDeviation(fixed(level, 2), deviation);
     },
   }));
   return (
@@ -49,7 +49,7 @@ export function DecisionBars({ handle }: { handle: RefObject<DecisionHandle | nu
         ))}
       </ol>
       <p
-        title={t`The learned reward R of what is on the screen now, ± its standard deviation. The policy does not see it.`}
+        title={t`The learned reward R of what is on the screen now, ± its standard deviation: 0 as where demonstrations begin, 1 as where the best ones end. The policy does not see it.`}
       >
         <Trans>
           Reward R <b ref={figure}>{NONE}</b>

@@ -70,7 +70,7 @@ export function LaneView(props: LaneViewProps) {
           onFrame(frame, maxFrames);
         },
         decide: (decision) => decisions.current?.decide(decision),
-        reward: (reward, deviation) => decisions.current?.reward(reward, deviation),
+        reward: (level, deviation) => decisions.current?.reward(level, deviation),
         attend: setShown,
       }),
     [relay, onFrame],

@@ -28,7 +28,7 @@ interface LaneReward {
   readonly type: "reward";
   readonly lane: number;
   readonly frame: number;
-  readonly reward: number;
+  readonly level: number;
   /** Its standard deviation; null if the reward model does not know it. */
   readonly deviation: number | null;
 }

@@ -58,7 +58,7 @@ export interface LaneScreen {
   /** @param pixels Palette indices or colours, valid only during the call. */
   show: (pixels: Uint8Array, info: FrameInfo, maxFrames: number) => void;
   decide: (decision: Decision) => void;
-  reward: (reward: number, deviation: number | null) => void;
+  reward: (level: number, deviation: number | null) => void;
   attend: (attention: LaneAttention) => void;
 }
 
@@ -217,7 +217,7 @@ export class WatchStream {
         this.screens[message.lane]?.decide(message);
         break;
       case "reward":
-        this.screens[message.lane]?.reward(message.reward, message.deviation);
+        this.screens[message.lane]?.reward(message.level, message.deviation);
         break;
       case "attention":
         // One that was on its way when the page asked for nothing any more is late.

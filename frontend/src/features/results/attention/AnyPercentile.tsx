@@ -8,7 +8,7 @@ import type { Recording, RewardState } from "@/api/types";
 import { ButtonLink } from "@/components/controls/Button";
 import { GameCanvas } from "@/components/game/GameCanvas";
 import { useGame } from "@/games/game";
-import { measured, ordinal } from "@/lib/format";
+import { ordinal } from "@/lib/format";
 import type { ScreenPainter } from "@/lib/game/screen";
 import { useFittingScreenSize } from "@/lib/game/use-screen-size";
 import { recordingName } from "@/lib/recordings";
@@ -20,6 +20,8 @@ import { momentPath } from "./moment";
 interface AnyPercentileProps {
   /** At the percentiles 0, 1, ..., 100 of R. */
   states: readonly RewardState[];
+  /** Writes R on the page's scale. */
+  levelOf: (reward: number) => string;
   recordings: ReadonlyMap<number, Recording>;
   runId: string;
 }
@@ -29,7 +31,7 @@ const FIRST = 75;
 const SETTLED_MS = 150;
 
 /** The state at any percentile of R among the states of the ranked recordings. */
-export function AnyPercentile({ states, recordings, runId }: AnyPercentileProps) {
+export function AnyPercentile({ states, levelOf, recordings, runId }: AnyPercentileProps) {
   const id = useId();
   const [percentile, setPercentile] = useState(FIRST);
   const settled = useSettled(percentile, SETTLED_MS);
@@ -50,15 +52,15 @@ export function AnyPercentile({ states, recordings, runId }: AnyPercentileProps)
           min={0}
           max={states.length - 1}
           value={percentile}
-          aria-valuetext={`${name}, R ${measured(state.reward)}`}
+          aria-valuetext={`${name}, R ${levelOf(state.reward)}`}
           onChange={(event) => setPercentile(event.currentTarget.valueAsNumber)}
         />
         <p className={styles.facts}>
           <strong>{name}</strong>
-          <span>R {measured(state.reward)}</span>
+          <span>R {levelOf(state.reward)}</span>
           <span>
             <Trans>
-              {recordingName({ id: state.recording_id })}, step {state.step}
+              {recordingName(recordings.get(state.recording_id))}, step {state.step}
             </Trans>
           </span>
         </p>

@@ -6,13 +6,15 @@ import { Link } from "react-router";
 import type { AttentionMap, Faithfulness, Recording, RunResults } from "@/api/types";
 import type { Watched } from "@/features/results/watched";
 import { useGame } from "@/games/game";
-import { fixed, measured, percent } from "@/lib/format";
+import { fixed, percent } from "@/lib/format";
+import { useScreenSize } from "@/lib/game/use-screen-size";
 import { recordingName } from "@/lib/recordings";
 
 import styles from "./Attention.module.css";
 import { AnyPercentile } from "./AnyPercentile";
 import { momentPath } from "./moment";
-import { ScreenImage, SquareImage } from "./PixelImage";
+import { MapImage, ScreenImage } from "./PixelImage";
+import { useLevel } from "./use-level";
 
 type ColourMap = "perceptual" | "red-blue";
 
@@ -21,8 +23,8 @@ const colourMaps = (): readonly { readonly id: ColourMap; readonly name: string 
   { id: "red-blue", name: t`Red-blue` },
 ];
 
-const MAP_PIXELS = 84;
-const MAP_SCALE = 3;
+/** The most that a map and its screen take, in CSS pixels. */
+const MAP_BOX = { width: 340, height: 252 };
 
 interface AttentionProps {
   results: RunResults;
@@ -36,19 +38,15 @@ export function Attention({ results, onWatch }: AttentionProps) {
     [results],
   );
   const [colours, setColours] = useState<ColourMap>("perceptual");
+  const levelOf = useLevel(results);
   return (
     <>
       <p className={styles.note}>
         <Trans>
           The more the learned reward R changes when a patch of the screen is covered, the brighter
           (or redder) the patch. Four moments of the ranked games, from the lowest R to the highest.
+          R is 0 where demonstrations begin and 1 where the best ones end.
         </Trans>
-        {results.attention.some((map) => map.faithfulness) && (
-          <>
-            {" "}
-            <Trans>The range of R is from how demonstrations begin to how the best ones end.</Trans>
-          </>
-        )}
       </p>
       <fieldset className={styles.bar}>
         <legend className="visually-hidden">
@@ -77,6 +75,7 @@ export function Attention({ results, onWatch }: AttentionProps) {
             key={map.state}
             map={map}
             colours={colours}
+            level={levelOf(map.reward)}
             recording={recordings.get(map.recording_id)}
             runId={results.run.id}
             onWatch={onWatch}
@@ -86,6 +85,7 @@ export function Attention({ results, onWatch }: AttentionProps) {
       {results.percentiles.length > 0 && (
         <AnyPercentile
           states={results.percentiles}
+          levelOf={levelOf}
           recordings={recordings}
           runId={results.run.id}
         />
@@ -122,33 +122,30 @@ function FaithfulnessFacts({ map, random }: Faithfulness) {
 function MapFigure({
   map,
   colours,
+  level,
   recording,
   runId,
   onWatch,
 }: {
   map: AttentionMap;
   colours: ColourMap;
+  level: string;
   recording: Recording | undefined;
   runId: string;
   onWatch: (watched: Watched) => void;
 }) {
   const game = useGame();
-  const name = recordingName({ id: map.recording_id });
+  const name = recordingName(recording);
+  const size = useScreenSize(MAP_BOX.width, MAP_BOX.height, game);
   const frame = (
-    <ScreenImage
-      src={map.frame_url}
-      alt={t`Screen at the ${map.state} of R`}
-      width={252}
-      height={210}
-    />
+    <ScreenImage src={map.frame_url} alt={t`Screen at the ${map.state} of R`} size={size} />
   );
   return (
     <figure className={styles.map} aria-label={t`Attention at the ${map.state} of R`}>
-      <SquareImage
+      <MapImage
         src={colours === "perceptual" ? map.map_url : map.red_blue_url}
         alt={t`Attention map at the ${map.state} of R`}
-        pixels={MAP_PIXELS}
-        scale={MAP_SCALE}
+        size={size}
       />
       {recording ? (
         <button
@@ -166,7 +163,7 @@ function MapFigure({
       )}
       <figcaption>
         <strong>{map.state}</strong>
-        <span>R {measured(map.reward)}</span>
+        <span>R {level}</span>
         <Link to={momentPath(map, runId)}>
           <Trans>
             {name}, step {map.step}

@@ -1,20 +1,14 @@
 import styles from "@/components/game/GameCanvas.module.css";
-import { useGame } from "@/games/game";
-import { useScreenSize } from "@/lib/game/use-screen-size";
+import type { ScreenSize } from "@/lib/game/use-screen-size";
 
-/** A screenshot of the game at an integer scale, fitted into a box of CSS pixels. */
-export function ScreenImage({
-  src,
-  alt,
-  width,
-  height,
-}: {
+interface ImageProps {
   src: string;
   alt: string;
-  width: number;
-  height: number;
-}) {
-  const { reduced, ...size } = useScreenSize(width, height, useGame());
+  size: ScreenSize;
+}
+
+/** A screenshot of the game at an integer scale. */
+export function ScreenImage({ src, alt, size: { reduced, ...size } }: ImageProps) {
   return (
     <img
       className={styles.canvas}
@@ -26,20 +20,7 @@ export function ScreenImage({
   );
 }
 
-/** A square image, each of its pixels drawn as `scale` by `scale`. */
-export function SquareImage({
-  src,
-  alt,
-  pixels,
-  scale,
-}: {
-  src: string;
-  alt: string;
-  pixels: number;
-  scale: number;
-}) {
-  const side = pixels * scale;
-  return (
-    <img className={styles.canvas} src={src} alt={alt} width={side} height={side} loading="lazy" />
-  );
+/** A map of the screen, as large as the screenshot, so that each place is at the same place. */
+export function MapImage({ src, alt, size: { width, height } }: ImageProps) {
+  return <img className={styles.canvas} src={src} alt={alt} style={{ width, height }} loading="lazy" />;
 }

@@ -1,17 +1,17 @@
 import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 
-import type { Behaviour, ConfusedTiers, RankingCheck } from "@/api/types";
+import type { Behaviour, ConfusedTiers, RankingCheck, Recording } from "@/api/types";
 import { SourceBadge } from "@/components/recording/SourceBadge";
 import tables from "@/features/results/tables.module.css";
 import type { Watched } from "@/features/results/watched";
 import { viewOf } from "@/games/views";
 import { useGame } from "@/games/game";
 import { describeResult } from "@/games/outcomes";
-import { fixed, measured, percent } from "@/lib/format";
+import { fixed, percent } from "@/lib/format";
 import { recordingName } from "@/lib/recordings";
 
-import { judgedBy, type Measure, measureOf, type RankedReturn } from "./measure";
+import { judgedBy, type Measure, measureOf, nameOf, type RankedReturn, write } from "./measure";
 import styles from "./reward.module.css";
 import { RewardByTier } from "./RewardByTier";
 
@@ -40,7 +40,7 @@ export function RewardCheck({ check, message, behaviour, onWatch }: RewardCheckP
           scale={3}
         />
       )}
-      {check.confused.length > 0 && <Confused confused={check.confused} />}
+      {check.confused.length > 0 && <Confused check={check} />}
       {measure === "final_level" && (
         <p className={styles.verdict}>
           <Trans>
@@ -94,8 +94,9 @@ function Numbers({ check }: { check: RankingCheck }) {
 /** The rest is collapsed. */
 const SHOWN = 6;
 
-function Confused({ confused }: { confused: RankingCheck["confused"] }) {
-  const sorted = [...confused].sort((a, b) => Number(a.held_out) - Number(b.held_out));
+function Confused({ check }: { check: RankingCheck }) {
+  const known = new Map(check.returns.map(({ recording }) => [recording.id, recording]));
+  const sorted = [...check.confused].sort((a, b) => Number(a.held_out) - Number(b.held_out));
   const more = sorted.slice(SHOWN);
   return (
     <section aria-label={t`Confused tiers`} className={styles.confused}>
@@ -108,25 +109,33 @@ function Confused({ confused }: { confused: RankingCheck["confused"] }) {
           tiers.
         </Trans>
       </p>
-      <ConfusedList confused={sorted.slice(0, SHOWN)} />
+      <ConfusedList confused={sorted.slice(0, SHOWN)} known={known} />
       {more.length > 0 && (
         <details>
           <summary>
             <Trans>{more.length} more</Trans>
           </summary>
-          <ConfusedList confused={more} />
+          <ConfusedList confused={more} known={known} />
         </details>
       )}
     </section>
   );
 }
 
-function ConfusedList({ confused }: { confused: RankingCheck["confused"] }) {
+type Known = ReadonlyMap<number, Recording>;
+
+function ConfusedList({
+  confused,
+  known,
+}: {
+  confused: RankingCheck["confused"];
+  known: Known;
+}) {
   return (
     <ul>
       {confused.map((tiers) => (
         <li key={`${tiers.better_tier}-${tiers.worse_tier}-${String(tiers.held_out)}`}>
-          {describeConfused(tiers)}
+          {describeConfused(tiers, known)}
         </li>
       ))}
     </ul>
@@ -134,14 +143,9 @@ function ConfusedList({ confused }: { confused: RankingCheck["confused"] }) {
 }
 
 /** Says which games the reward mixes up; runs of earlier versions did not count how often. */
-function describeConfused({
-  better,
-  worse,
-  held_out: heldOut,
-  n_right: right,
-  n_compared: all,
-}: ConfusedTiers): string {
-  const [above, below] = [names(better), names(worse)];
+function describeConfused(tiers: ConfusedTiers, known: Known): string {
+  const { held_out: heldOut, n_right: right, n_compared: all } = tiers;
+  const [above, below] = [names(tiers.better, known), names(tiers.worse, known)];
   if (right === null || all === null)
     return heldOut
       ? t`${above} above ${below}: the reward disagrees if one of them is held out.`
@@ -151,8 +155,8 @@ function describeConfused({
     : t`${above} above ${below}: right in ${right} of ${all}.`;
 }
 
-function names(ids: readonly number[]): string {
-  return ids.map((id) => recordingName({ id })).join(", ");
+function names(ids: readonly number[], known: Known): string {
+  return ids.map((id) => recordingName(known.get(id))).join(", ");
 }
 
 function Returns({
@@ -162,13 +166,12 @@ function Returns({
   onWatch,
 }: Omit<RewardCheckProps, "message"> & { measure: Measure }) {
   const game = useGame();
-  const hasLevels = measure === "final_level";
   const judged = (one: RankedReturn) => judgedBy(measure, one);
   const best = Math.max(...check.returns.map(judged));
   const odd = (index: number) =>
     isOdd(check.returns, judged, index) ? `${tables.right} ${styles.odd}` : tables.right;
   return (
-    <table className={tables.table} aria-label={t`Predicted returns`}>
+    <table className={tables.table} aria-label={t`Ranked games by the reward`}>
       <thead>
         <tr>
           <th scope="col">
@@ -181,41 +184,32 @@ function Returns({
             <Trans>Played by</Trans>
           </th>
           <th scope="col" className={tables.right}>
-            <Trans>Predicted return</Trans>
+            {nameOf(measure)}
           </th>
-          {hasLevels && (
-            <th scope="col" className={tables.right}>
-              <Trans>Final level</Trans>
-            </th>
-          )}
         </tr>
       </thead>
       <tbody>
-        {check.returns.map(({ tier, recording, predicted_return, final_level }, index) => (
-          <tr key={recording.id}>
-            <td>{tier}</td>
+        {check.returns.map((one, index) => (
+          <tr key={one.recording.id}>
+            <td>{one.tier}</td>
             <td>
               <button
                 type="button"
-                title={describeResult(recording, behaviour, game)}
-                onClick={() => onWatch({ recording, title: recordingName(recording) })}
+                title={describeResult(one.recording, behaviour, game)}
+                onClick={() =>
+                  onWatch({ recording: one.recording, title: recordingName(one.recording) })
+                }
               >
-                {recordingName(recording)}
+                {recordingName(one.recording)}
               </button>
             </td>
             <td>
-              <SourceBadge recording={recording} />
+              <SourceBadge recording={one.recording} />
             </td>
-            <td className={hasLevels ? tables.right : odd(index)}>
-              {measured(predicted_return)}
-              {!hasLevels && predicted_return === best && tier > 1 && <Highest />}
+            <td className={odd(index)}>
+              {write(measure, judged(one))}
+              {judged(one) === best && one.tier > 1 && <Highest />}
             </td>
-            {hasLevels && (
-              <td className={odd(index)}>
-                {final_level === null ? "" : fixed(final_level, 2)}
-                {final_level === best && tier > 1 && <Highest />}
-              </td>
-            )}
           </tr>
         ))}
       </tbody>

@@ -102,7 +102,7 @@ describe("the page that watches", () => {
       action: 1,
       probabilities: [0.1, 0.7, 0, 0.2, 0, 0],
     });
-    tell({ type: "reward", lane: 0, frame: 96, reward: -0.25, deviation: 0.08 });
+    tell({ type: "reward", lane: 0, frame: 96, level: -0.25, deviation: 0.08 });
     tell({ type: "hit", lane: 0, row: 0, column: 0, frame: 99, on_target: true });
     const lane = screen.getByRole("article", { name: "Game 1: Imitator, greedy" });
     const shares = within(lane).getAllByRole("listitem");

@@ -103,7 +103,7 @@ describe("the stream of a page that watches", () => {
     const { screens, socket } = begin();
     const decision = { type: "decision", lane: 1, frame: 96, action: 2, probabilities: [] };
     socket.tell(decision);
-    socket.tell({ type: "reward", lane: 0, frame: 96, reward: 0.25, deviation: null });
+    socket.tell({ type: "reward", lane: 0, frame: 96, level: 0.25, deviation: null });
     expect(screens[1]?.decide).toHaveBeenCalledWith(decision);
     expect(screens[0]?.reward).toHaveBeenCalledWith(0.25, null);
     expect(screens[0]?.decide).not.toHaveBeenCalled();
