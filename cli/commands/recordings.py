@@ -42,6 +42,7 @@ def list_recordings(behaviour: BehaviourOption, as_json: JsonOption = False) -> 
                 print_json(
                     {
                         "id": row.id,
+                        "number": row.number,
                         "source": row.source,
                         "frames": row.n_frames,
                         "end": row.end,
@@ -56,7 +57,7 @@ def list_recordings(behaviour: BehaviourOption, as_json: JsonOption = False) -> 
                 )
                 continue
             table.add_row(
-                str(row.id),
+                "" if row.number is None else str(row.number),
                 row.source,
                 row.end or "",
                 row.verification,
@@ -140,7 +141,7 @@ def verify_all(behaviour: BehaviourOption) -> None:
                 verify(recordings.as_recording(row), recordings.cells_of(row))
             except RecordingRefused as refusal:
                 wrong += 1
-                errors.print(f"Recording {row.id}: {refusal}")
+                errors.print(f"{row.title}: {refusal}")
         console.print(f"{len(ids) - wrong} of {len(ids)} recordings verify.")
     if wrong:
         raise typer.Exit(1)

@@ -97,8 +97,16 @@ def get_checklist(session: ReadSession, identity: Who, behaviour_id: BehaviourId
         if entry.verification == Verification.VERIFIED and entry.state != RecordingState.FINISHED
     }
     ticks = match_plans(plans, games)
+    numbers = {entry.id: entry.number for entry in brief.entries}
     return Checklist(
-        planned=[PlannedDemonstration.of(plan, recording_id=ticks[plan.number]) for plan in plans],
+        planned=[
+            PlannedDemonstration.of(
+                plan,
+                recording_id=ticks[plan.number],
+                recording_number=numbers.get(ticks[plan.number] or 0),
+            )
+            for plan in plans
+        ],
         note="",
     )
 

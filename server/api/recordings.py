@@ -58,6 +58,7 @@ MAX_NAMED = 20
 _CHANGED = (
     RecordingRow.behaviour_id,
     RecordingRow.run_id,
+    RecordingRow.number,
     RecordingRow.state,
     RecordingRow.verification,
     RecordingRow.verification_note,
@@ -293,7 +294,7 @@ def get_recording_course(
         actions=list(row.actions),
         parent=parent_of(session, identity, row),
         branches=[
-            Branch(recording_id=branch.id, frame=branch.parent_frame)
+            Branch(recording_id=branch.id, number=branch.number, frame=branch.parent_frame)
             for branch in recordings.branches(session, row.id, identity.visible_player_id)
             if branch.parent_frame is not None
         ],
@@ -319,15 +320,15 @@ def export_recording(
     content = recording_transfer.export_recording(session, row)
     if identity.is_participant:
         content = {key: content[key] for key in content.keys() - RESEARCHERS_MEMBERS}
-    _note_export(request, identity, f"recording {row.id}")
+    _note_export(request, identity, f"recording {row.id}", **audit.of_recording(row))
     return Response(
         json.dumps(content, indent=2),
         media_type="application/json",
-        headers=_download(f"recording-{row.id}.json"),
+        headers=_download(f"{recordings.file_name(session, row)}.json"),
     )
 
 
-def _note_export(request: Request, identity: Identity, subject: str, **details: int) -> None:
+def _note_export(request: Request, identity: Identity, subject: str, **details: int | None) -> None:
     """Log an export in a transaction of its own, since what is exported is read in another."""
     with services_of(request).database.writing() as session:
         audit.note(session, audit.Action.EXPORTED, identity.player_id, subject, **details)

@@ -7,6 +7,7 @@ import threading
 from dataclasses import dataclass
 from typing import Annotated, Any
 
+import numpy as np
 from fastapi import APIRouter, Depends, Query, Request
 from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
@@ -46,11 +47,13 @@ class _Source:
 
     Attributes:
         recording: The recording.
+        name: Name of its files, without the ending.
         cache: Replays it.
         cache_control: Cache-Control header of the response.
     """
 
     recording: Recording
+    name: str
     cache: ReplayCache
     cache_control: str
 
@@ -73,9 +76,10 @@ def _source(
 ) -> _Source:
     services = services_of(request)
     with services.database.reading() as session:
-        recording = recordings.as_recording(recordings.get(session, recording_id))
+        row = recordings.get(session, recording_id)
+        recording, name = recordings.as_recording(row), recordings.file_name(session, row)
     cache_control = _IMMUTABLE if v == version_of(recording) else "private, no-cache"
-    return _Source(recording, services.replay_cache, cache_control)
+    return _Source(recording, name, services.replay_cache, cache_control)
 
 
 Source = Annotated[_Source, Depends(_source)]
@@ -122,10 +126,10 @@ def get_recording_memory(source: Source) -> Response:
 
 
 @router.get("/recordings/{recording_id}/clip.{kind}", **_file_route(*MEDIA_TYPES.values()))
-def get_recording_clip(source: Source, recording_id: RecordingId, kind: ClipKind) -> Response:
+def get_recording_clip(source: Source, kind: ClipKind) -> Response:
     """Return a recording as a moving picture; making it takes seconds the first time."""
     content = source.cache.clip(source.recording, kind)
-    name = f'attachment; filename="recording-{recording_id}.{kind}"'
+    name = f'attachment; filename="{source.name}.{kind}"'
     return source.answer(content, MEDIA_TYPES[kind], **{"Content-Disposition": name})
 
 
@@ -142,12 +146,13 @@ def get_ghost(request: Request, behaviour_id: BehaviourId) -> Ghost | None:
         row = _best(session, behaviour_id)
         if row is None:
             return None
-        recording, key, source = recordings.as_recording(row), row.id, row.source
+        recording = recordings.as_recording(row)
+        shown = {"recording_id": row.id, "number": row.number, "source": row.source}
     if recording.game.ghost is None:
         return None
     memory = services.replay_cache.get(recording, ReplayTask.MEMORY)
     track = recording.game.ghost(memory, recording.start)
-    return Ghost.of(track, recording_id=key, source=source)
+    return Ghost.of(track, **shown)
 
 
 def _as_learned_from(session: Session, run_id: RunId, recording_id: int) -> Recording:
@@ -173,6 +178,8 @@ def get_reward_trace(request: Request, run_id: RunId, recording_id: RecordingId)
         recording_id=recording_id,
         rewards=judged.rewards.tolist(),
         levels=((judged.rewards - zero_level) / (unit_level - zero_level)).tolist(),
+        zero_level_reward=zero_level,
+        unit_level_reward=unit_level,
         reward_deviations=None if deviations is None else deviations.tolist(),
         level_deviations=None
         if deviations is None
@@ -208,11 +215,11 @@ async def get_attention(
 ) -> Response:
     """Return what a network of a training looks at in a state of a recording.
 
-    The map is non-negative, in the observation's 84x84 pixels. It says how much R changes, or the
-    log odds of the action that a policy would choose: by the gradient if a pixel became background,
-    to first order; by occlusion if patches of 3x3 pixels of one screen did, the sum of all over a
-    pixel; by patches of 9x9 pixels of all screens, the mean of those over a pixel. Its computation
-    stops when the client disconnects.
+    The map is non-negative, in the observation's 84x84 pixels. It says how much the level of R
+    changes, or the log odds of the action that a policy would choose: by the gradient if a pixel
+    became background, to first order; by occlusion if patches of 3x3 pixels of one screen did, the
+    sum of all over a pixel; by patches of 9x9 pixels of all screens, the mean of those over a
+    pixel. Its computation stops when the client disconnects.
     """
     services = services_of(request)
     given_up = threading.Event()
@@ -230,8 +237,12 @@ async def get_attention(
             given_up.is_set,
             recording.game.screen.background,
         )
+        values = attention.values
+        if network == "reward":
+            zero_level, unit_level = services.inference.scale(str(run_id))
+            values = values / np.float32(abs(unit_level - zero_level))
         headers = {} if attention.action is None else {ACTION_HEADER: str(int(attention.action))}
-        return Response(attention.values.tobytes(), headers=headers, media_type=_BYTES)
+        return Response(values.tobytes(), headers=headers, media_type=_BYTES)
 
     async def watch() -> None:
         while not await request.is_disconnected():

@@ -40,7 +40,16 @@ def end_and_keep(page: Page) -> int:
 def kept_as(page: Page) -> int:
     """Return the recording that the ended game was kept as."""
     said = page.get_by_text(re.compile(r"Kept as recording \d+"))
-    return int(re.sub(r"\D", "", said.inner_text()))
+    number = int(re.sub(r"\D", "", said.inner_text()))
+    behaviour = page.url.partition("/behaviours/")[2].partition("/")[0]
+    path = f"/api/behaviours/{behaviour}/recordings"
+    rows = page.evaluate("async (path) => (await fetch(path)).json()", path)
+    return next(int(row["id"]) for row in rows if row["number"] == number)
+
+
+def name_of(server: LiveServer, recording: int) -> str:
+    """Return what the page calls a recording."""
+    return f"Recording {server.http.get(f'/api/recordings/{recording}').json()['number']}"
 
 
 def course_of(server: LiveServer, recording: int) -> list[Action]:

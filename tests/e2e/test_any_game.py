@@ -7,7 +7,7 @@ import re
 from playwright.sync_api import Browser, Page, expect
 
 from tests.e2e.pages import DESKTOP, signed_in
-from tests.e2e.playing import end_and_keep
+from tests.e2e.playing import end_and_keep, name_of
 from testsupport.live import LiveServer
 from tril.games import game_named
 
@@ -56,10 +56,10 @@ def test_a_game_is_found_taught_played_kept_and_replayed(
         recording = end_and_keep(page)
         assert {"RIGHT", "LEFT", "FIRE"} <= actions_of(built, recording)
         page.get_by_role("link", name=re.compile("Recordings")).click()
-        card = page.get_by_role("article", name=f"Recording {recording}")
+        card = page.get_by_role("article", name=name_of(built, recording))
         expect(card).to_contain_text("Score")
         expect(card).to_contain_text("ended early")
-        card.get_by_role("link", name=f"Recording {recording}").click()
+        card.get_by_role("link", name=name_of(built, recording)).click()
         slider = page.get_by_role("slider", name="Position in the recording")
         slider.press("End")
         last = built.http.get(f"/api/recordings/{recording}").json()["n_frames"]

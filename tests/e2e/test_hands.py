@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Browser, CDPSession, Locator, Page, expect
 
 from tests.e2e.pages import DESKTOP
-from tests.e2e.playing import course_of, expect_running, kept_as, play_page
+from tests.e2e.playing import course_of, expect_running, kept_as, name_of, play_page
 from testsupport.live import LiveServer
 from tril.games.space_invaders.memory import Action
 
@@ -114,7 +114,7 @@ def test_a_game_is_played_and_ranked_by_touch(phone: Page, built: LiveServer) ->
     assert built.http.get(f"/api/recordings/{recording}").json()["verification"] == "verified"
 
     phone.get_by_role("navigation", name="Path").get_by_role("link", name="Rank").tap()
-    name = f"Recording {recording}"
+    name = name_of(built, recording)
     phone.get_by_role("button", name=f"Rank as best: {name}").tap()
     expect_best(phone, name)
     phone.get_by_role("button", name=f"Down: {name}").tap()
@@ -147,7 +147,7 @@ def test_a_game_is_played_and_ranked_with_one_hand_on_the_keyboard(
 
         tab_to(page, page.get_by_role("navigation", name="Path").get_by_role("link", name="Rank"))
         page.keyboard.press("Enter")
-        name = f"Recording {recording}"
+        name = name_of(built, recording)
         tab_to(page, page.get_by_role("button", name=f"Rank as best: {name}"))
         page.keyboard.press("Enter")
         expect_best(page, name)

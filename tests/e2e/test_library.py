@@ -162,7 +162,7 @@ def test_a_video_and_the_data_are_downloaded(page: Page, shared_workplace: Workp
     page.get_by_role("link", name=f"Recording {best}", exact=True).click()
     with page.expect_download(timeout=60_000) as download:
         page.get_by_role("button", name="MP4").click()
-    assert download.value.suggested_filename == f"recording-{best}.mp4"
+    assert download.value.suggested_filename == f"column-1-recording-{best}.mp4"
     with av.open(str(download.value.path()), "r") as video:
         assert sum(1 for _ in video.decode(video=0)) == FRAMES + 1
     with page.expect_download() as download:

@@ -7,7 +7,7 @@ import re
 from playwright.sync_api import Browser, expect
 
 from tests.e2e.pages import DESKTOP, signed_in
-from tests.e2e.playing import end_and_keep
+from tests.e2e.playing import end_and_keep, name_of
 from testsupport.live import LiveServer
 
 
@@ -33,9 +33,9 @@ def test_a_ready_made_behaviour_is_taken_played_and_checked(
         page.wait_for_timeout(1000)
         recording = end_and_keep(page)
         page.get_by_role("link", name=re.compile("Recordings")).click()
-        card = page.get_by_role("article", name=f"Recording {recording}")
+        card = page.get_by_role("article", name=name_of(built, recording))
         expect(card).to_contain_text(re.compile(r"[12] of 2 measures met"))
-        card.get_by_role("link", name=f"Recording {recording}").click()
+        card.get_by_role("link", name=name_of(built, recording)).click()
         checks = page.get_by_role("list", name="Measures").get_by_role("listitem")
         expect(checks).to_have_count(2)
         expect(checks.first).to_contain_text(re.compile(r"\d+% of the time$"))

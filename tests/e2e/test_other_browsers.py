@@ -53,7 +53,10 @@ def _main_job(page: OtherBrowser, pages: EveryPage) -> None:
     page.click("button", "End the game here")
     page.click("button", "Keep")
     kept = page.until("document.body.innerText.match(/Kept as recording (\\d+)/)?.[1]")
-    course = course_of(pages.server, int(kept))
+    library = pages.server.http.get("/api/behaviours/1/recordings").json()
+    course = course_of(
+        pages.server, next(row["id"] for row in library if row["number"] == int(kept))
+    )
     assert course.count(Action.RIGHT) > 10
     assert course.count(Action.LEFT) > 10
     assert Action.FIRE in course

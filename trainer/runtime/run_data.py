@@ -156,9 +156,9 @@ class RunData:
                 try:
                     self._trajectories[number] = trajectory(recording, console)
                 except RecordingRefused as refusal:
-                    raise Invalid(f"Recording {number} can't be learned from: {refusal}") from (
-                        refusal
-                    )
+                    with self.context.database.reading() as session:
+                        title = recordings.get(session, number).title
+                    raise Invalid(f"{title} can't be learned from: {refusal}") from refusal
                 self.context.check_cancelled()
             progress.advance(count, len(recordings_by_id))
         return [self._trajectories[number] for number in ids]

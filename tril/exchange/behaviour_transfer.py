@@ -82,7 +82,7 @@ def export_behaviour(session: Session, behaviour: BehaviourRow) -> tuple[dict[st
     rows = sorted((named | library).values(), key=lambda row: row.id)
     sound = [row for row in rows if row.verification == Verification.VERIFIED]
     notices = [
-        f"Recording {row.id} was left out because it is not verified."
+        f"{row.title} was left out because it is not verified."
         for row in rows
         if row.verification != Verification.VERIFIED
     ]

@@ -8,7 +8,7 @@ from typing import Any
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from tril.store.models import AuditRow, PlayerRow
+from tril.store.models import AuditRow, PlayerRow, RecordingRow
 
 
 class Action(StrEnum):
@@ -63,6 +63,11 @@ def note(
             details=details,
         )
     )
+
+
+def of_recording(row: RecordingRow) -> dict[str, int | None]:
+    """Return the details that name a recording: its number and its behaviour's id."""
+    return {"number": row.number, "behaviour": row.behaviour_id}
 
 
 def page(session: Session, before: int | None = None, limit: int = 50) -> list[AuditRow]:

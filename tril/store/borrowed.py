@@ -48,8 +48,12 @@ def borrow(session: Session, behaviour_id: int, recording_ids: Collection[int]) 
     if unknown := sorted(set(recording_ids) - rows.keys()):
         raise NotFound(f"There are no such recordings: {', '.join(map(str, unknown))}.")
     new = [row for key, row in sorted(rows.items()) if key not in held]
-    reasons = [(row.id, _borrow_refusal(session, behaviour_id, row)) for row in new]
-    if refused := [f"recording {key} {reason}" for key, reason in reasons if reason]:
+    refused = [
+        f"{rankings.named(session, behaviour_id, row)} {reason}"
+        for row in new
+        if (reason := _borrow_refusal(session, behaviour_id, row)) is not None
+    ]
+    if refused:
         raise Conflict(f"Nothing was added to the ranking's games: {', '.join(refused)}.")
     session.add_all(BorrowedGameRow(behaviour_id=behaviour_id, recording_id=row.id) for row in new)
     session.flush()
@@ -65,12 +69,11 @@ def give_back(session: Session, behaviour_id: int, recording_id: int) -> None:
     """
     newest = rankings.lock(session, behaviour_id)
     row = session.get(BorrowedGameRow, (behaviour_id, recording_id))
+    title = recordings.get(session, recording_id).title
     if row is None:
-        raise NotFound(f"Recording {recording_id} is not borrowed by this behaviour.")
+        raise NotFound(f"{title} is not borrowed by this behaviour.")
     if recording_id in rankings.as_ranking(newest).items:
-        raise Conflict(
-            f"Recording {recording_id} is ranked. Take it off the board before you give it back."
-        )
+        raise Conflict(f"{title} is ranked. Take it off the board before you give it back.")
     session.delete(row)
     note_change(session, "ranking", behaviour_id)
 

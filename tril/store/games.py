@@ -29,7 +29,7 @@ from tril.store.models import (
     Source,
     Verification,
 )
-from tril.store.recordings import as_recording, columns_of, fill
+from tril.store.recordings import as_recording, columns_of, fill, give_number
 
 LEASE = timedelta(seconds=30)
 """How long an owner keeps a game without renewing its lease."""
@@ -103,16 +103,14 @@ def create_from(
             person's game.
     """
     if parent.source != Source.PERSON:
-        raise Conflict(f"Recording {parent.id} is no person's game; only those can be continued.")
+        raise Conflict(f"{parent.title} is no person's game; only those can be continued.")
     if parent.state == RecordingState.PLAYING:
-        raise Conflict(f"Recording {parent.id} is still being played; end the game first.")
+        raise Conflict(f"{parent.title} is still being played; end the game first.")
     if parent.verification == Verification.FAILED:
-        raise Conflict(f"Recording {parent.id} can't be continued, because it does not replay.")
+        raise Conflict(f"{parent.title} can't be continued, because it does not replay.")
     last = parent.n_frames if parent.end is None else parent.n_frames - 1
     if not 0 <= frame <= last:
-        raise Invalid(
-            f"Recording {parent.id} can be continued from frames 0 to {last}, got {frame}."
-        )
+        raise Invalid(f"{parent.title} can be continued from frames 0 to {last}, got {frame}.")
     until = as_recording(parent).until(frame)
     row = _playing(parent.behaviour_id, until, player_id)
     row.parent_id, row.parent_frame = parent.id, frame
@@ -270,6 +268,7 @@ def branch(
             finished_at=database_now(session),
         )
         fill(row_of_branch, before.recording, before.played)
+        give_number(session, row_of_branch)
         _judge(row_of_branch, refusal)
         session.add(row_of_branch)
         session.flush()
@@ -312,6 +311,8 @@ def end(
     was_abandoned = state == RecordingState.UNFINISHED
     if recording.n_frames == 0 or (was_abandoned and recording.n_frames == recording.parent_frame):
         recording.deleted_at = row.ended_at
+    else:
+        give_number(session, recording)
     note_change(session, "recording", recording.id)
     return True
 

@@ -19,7 +19,14 @@ from tril.games.base import Start
 from tril.recording import Recording
 from tril.store import rankings
 from tril.store.changes import LIBRARY_CHANGED, newest_change, oldest_change
-from tril.store.models import ChangeRow, PlayerRow, RecordingRow, RecordingState, Source
+from tril.store.models import (
+    BehaviourRow,
+    ChangeRow,
+    PlayerRow,
+    RecordingRow,
+    RecordingState,
+    Source,
+)
 
 MAX_CHANGED = 1000
 """After more changes the whole library is read again."""
@@ -28,6 +35,8 @@ _IN_LIBRARY = (RecordingState.KEPT, RecordingState.UNFINISHED, RecordingState.FI
 
 _COLUMNS: Final[tuple[Any, ...]] = (
     RecordingRow.id,
+    RecordingRow.number,
+    BehaviourRow.name.label("behaviour_name"),
     RecordingRow.source,
     PlayerRow.name.label("player"),
     RecordingRow.run_id,
@@ -182,6 +191,7 @@ def _entries(
 ) -> Sequence[Entry]:
     query = (
         select(*_COLUMNS)
+        .join(BehaviourRow, BehaviourRow.id == RecordingRow.behaviour_id)
         .outerjoin(PlayerRow, PlayerRow.id == RecordingRow.player_id)
         .where(*where)
         .order_by(RecordingRow.id.desc())

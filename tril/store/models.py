@@ -279,11 +279,15 @@ class RecordingRow(Base):
     ``taken`` is a list of [row, column, frame] in order of time; ``hashes`` one digest after every
     second; ``n_frames`` the number of actions. ``max_steps`` is the longest that it could become,
     None for the game's own length. ``measured`` are values by the keys of measures (see
-    tril.store.measured). Deletion only sets ``deleted_at``.
+    tril.store.measured). Deletion only sets ``deleted_at``. ``number`` names the recording, from 1
+    on among those of its behaviour that no run made, or of its run; None until its game has ended.
     """
 
     __tablename__ = "recordings"
-    __table_args__ = (Index("ix_recordings_behaviour_id_state", "behaviour_id", "state"),)
+    __table_args__ = (
+        Index("ix_recordings_behaviour_id_state", "behaviour_id", "state"),
+        Index("ix_recordings_behaviour_id_run_id_number", "behaviour_id", "run_id", "number"),
+    )
 
     id: Mapped[int] = mapped_column(Integer, primary_key=True)
     behaviour_id: Mapped[int] = mapped_column(ForeignKey("behaviours.id"))
@@ -291,6 +295,7 @@ class RecordingRow(Base):
     run_id: Mapped[str | None] = mapped_column(ForeignKey("runs.id"), index=True)
     parent_id: Mapped[int | None] = mapped_column(ForeignKey("recordings.id"))
     parent_frame: Mapped[int | None] = mapped_column(Integer)
+    number: Mapped[int | None] = mapped_column(Integer)
     source: Mapped[str] = mapped_column(String(16))
     state: Mapped[str] = mapped_column(String(16))
     game: Mapped[str] = mapped_column(String(160), server_default="space_invaders")
@@ -316,6 +321,11 @@ class RecordingRow(Base):
     created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
     finished_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
     deleted_at: Mapped[datetime | None] = mapped_column(UTCDateTime)
+
+    @property
+    def title(self) -> str:
+        """What a person reads of it: "Recording 3"."""
+        return "This recording" if self.number is None else f"Recording {self.number}"
 
 
 class GameRow(Base):

@@ -376,7 +376,12 @@ def refuse_unrankable(session: Session, behaviour_id: int, ranking: Ranking) -> 
         return
     query = select(RecordingRow).where(RecordingRow.id.in_(wrong))
     rows = {row.id: row for row in session.scalars(query)}
-    reasons = (f"recording {key} {_refusal(rows.get(key))}" for key in wrong)
+    reasons = (
+        f"{named(session, behaviour_id, rows[key])} {_refusal(rows[key])}"
+        if key in rows
+        else f"a recording with the id {key} does not exist"
+        for key in wrong
+    )
     raise Invalid(f"This order can't be used: {', '.join(reasons)}. Take it out of the ranking.")
 
 
@@ -391,9 +396,17 @@ def ranking_refusal(row: RecordingRow) -> str | None:
     return None
 
 
-def _refusal(row: RecordingRow | None) -> str:
-    if row is None:
-        return "does not exist"
+def named(session: Session, behaviour_id: int, row: RecordingRow) -> str:
+    """Return how a sentence names a recording: "recording 3", with its origin if it has another."""
+    name = f"{row.title[0].lower()}{row.title[1:]}"
+    if row.run_id is not None:
+        return f"{name} of run {row.run_id[:6]}"
+    if row.behaviour_id != behaviour_id:
+        return f"{name} of {session.get_one(BehaviourRow, row.behaviour_id).name}"
+    return name
+
+
+def _refusal(row: RecordingRow) -> str:
     if row.run_id is not None:
         return ranking_refusal(row) or "belongs to a training and is not borrowed"
     return ranking_refusal(row) or "is of another behaviour and not borrowed"

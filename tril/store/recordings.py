@@ -15,7 +15,14 @@ from tril.games.settings import GameSettings
 from tril.recording import Recording, Replay
 from tril.store import audit, rankings
 from tril.store.changes import note_change, note_recordings
-from tril.store.models import RecordingRow, RecordingState, Source, Verification, now
+from tril.store.models import (
+    BehaviourRow,
+    RecordingRow,
+    RecordingState,
+    Source,
+    Verification,
+    now,
+)
 
 MAX_NOTES_LENGTH = 4000
 
@@ -116,10 +123,25 @@ def add(
         finished_at=now(),
     )
     fill(row, recording, played)
+    give_number(session, row)
     session.add(row)
     session.flush()
     note_change(session, "recording", row.id)
     return row
+
+
+def give_number(session: Session, row: RecordingRow) -> None:
+    """Give a recording the next number, if it has none; numbers of deleted ones stay taken."""
+    if row.number is not None:
+        return
+    if row.run_id is None:
+        # Two games of a behaviour may end at the same time; a run has one worker.
+        behaviour = select(BehaviourRow.id).where(BehaviourRow.id == row.behaviour_id)
+        session.execute(behaviour.with_for_update(key_share=True))
+    taken = select(func.max(RecordingRow.number)).where(
+        RecordingRow.behaviour_id == row.behaviour_id, RecordingRow.run_id == row.run_id
+    )
+    row.number = (session.scalar(taken) or 0) + 1
 
 
 def get(session: Session, recording_id: int) -> RecordingRow:
@@ -128,6 +150,12 @@ def get(session: Session, recording_id: int) -> RecordingRow:
     if row is None:
         raise NotFound(f"There is no recording {recording_id}.")
     return row
+
+
+def file_name(session: Session, row: RecordingRow) -> str:
+    """Return the name of a file of a recording, without its ending: "column-1-recording-3"."""
+    slug = session.get_one(BehaviourRow, row.behaviour_id).slug
+    return f"{slug}-recording-{row.id if row.number is None else row.number}"
 
 
 def player_of(session: Session, recording_id: int) -> tuple[int | None, int] | None:
@@ -283,6 +311,7 @@ def keep(session: Session, row: RecordingRow) -> None:
     _refuse_while_playing(row)
     row.state = RecordingState.KEPT
     row.deleted_at = None
+    give_number(session, row)
     note_change(session, "recording", row.id)
 
 
@@ -299,13 +328,13 @@ def delete(session: Session, rows: Sequence[RecordingRow], player_id: int | None
         _refuse_while_playing(row)
         if row.run_id is not None:
             raise Conflict(
-                f"Recording {row.id} is a result of a training and belongs to it; delete the "
+                f"{row.title} is a result of a training and belongs to it; delete the "
                 "training instead."
             )
     deleted = [row for row in rows if row.deleted_at is None]
     for row in deleted:
         row.deleted_at = now()
-        audit.note(session, audit.Action.DELETED, player_id, f"recording {row.id}")
+        _note(session, audit.Action.DELETED, player_id, row)
     note_recordings(session, deleted)
     session.flush()
     rankings.remove_recordings(session, [row.id for row in deleted], player_id)
@@ -322,9 +351,10 @@ def restore(session: Session, rows: Sequence[RecordingRow], player_id: int | Non
         if row.id not in deleted_at:
             continue
         row.deleted_at = None
+        give_number(session, row)
         if row.state == RecordingState.FINISHED:
             row.state = RecordingState.KEPT
-        audit.note(session, audit.Action.RESTORED, player_id, f"recording {row.id}")
+        _note(session, audit.Action.RESTORED, player_id, row)
     note_recordings(session, [row for row in rows if row.id in deleted_at])
     session.flush()
     rankings.restore_recordings(session, deleted_at, player_id)
@@ -370,14 +400,14 @@ def update(
     before = row.notes
     row.notes = before if notes is None else notes
     if row.notes != before:
-        audit.note(session, audit.Action.NOTES_WRITTEN, player_id, f"recording {row.id}")
+        _note(session, audit.Action.NOTES_WRITTEN, player_id, row)
     note_change(session, "recording", row.id)
 
 
 def _mark(session: Session, row: RecordingRow, perfect: bool, player_id: int | None) -> None:
     if perfect and row.run_id is not None:
         raise Conflict(
-            f"Recording {row.id} is a result of a training, so it can't be marked as perfect: the "
+            f"{row.title} is a result of a training, so it can't be marked as perfect: the "
             "clone copies only the behaviour's own games."
         )
     if perfect and row.verification != Verification.VERIFIED:
@@ -389,7 +419,11 @@ def _mark(session: Session, row: RecordingRow, perfect: bool, player_id: int | N
         return
     row.perfect = perfect
     action = audit.Action.MARKED if perfect else audit.Action.UNMARKED
-    audit.note(session, action, player_id, f"recording {row.id}")
+    _note(session, action, player_id, row)
+
+
+def _note(session: Session, action: audit.Action, player_id: int | None, row: RecordingRow) -> None:
+    audit.note(session, action, player_id, f"recording {row.id}", **audit.of_recording(row))
 
 
 def _library(behaviour_id: int, with_undecided: bool = False) -> Select[RecordingRow]:
@@ -403,4 +437,4 @@ def _library(behaviour_id: int, with_undecided: bool = False) -> Select[Recordin
 
 def _refuse_while_playing(row: RecordingRow) -> None:
     if row.state == RecordingState.PLAYING:
-        raise Conflict(f"Recording {row.id} is still being played; end the game first.")
+        raise Conflict(f"{row.title} is still being played; end the game first.")

@@ -179,11 +179,13 @@ function entriesOf(columns: LibraryColumns, ranked: ReadonlySet<number>): Librar
     const frame = of(columns.parent_frame);
     return {
       id,
+      number: of(columns.number),
+      behaviour_name: of(columns.behaviour_name),
       borrowed: false,
       source: of(columns.source),
       player: of(columns.player),
       run_id: of(columns.run_id),
-      parent: parent === null || frame === null ? null : { recording_id: parent, frame },
+      parent: parent === null || frame === null ? null : { recording_id: parent, number: null, frame },
       state: of(columns.state),
       verification: of(columns.verification),
       n_frames: of(columns.n_frames),

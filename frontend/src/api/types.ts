@@ -53,6 +53,7 @@ export type Recording = Schemas["Recording"];
 export type LibraryEntry = Pick<
   Recording,
   | "id"
+  | "number"
   | "borrowed"
   | "source"
   | "player"
@@ -71,7 +72,11 @@ export type LibraryEntry = Pick<
   | "perfect"
   | "ranked"
   | "deleted"
-> & { readonly hits: { readonly length: number } };
+> & {
+  readonly hits: { readonly length: number };
+  /** Of a borrowed one; null for the behaviour's own. */
+  readonly behaviour_name: string | null;
+};
 export type RecordingCourse = Schemas["RecordingCourse"];
 export type RecordingsChange = Schemas["RecordingsChange"];
 export type RoleUpdate = Schemas["RoleUpdate"];

@@ -2,6 +2,8 @@
 
 import { t } from "@lingui/core/macro";
 
+import { shortId } from "./runs";
+
 /** The fields of a recording that are read here. */
 interface Played {
   readonly id: number;
@@ -11,8 +13,30 @@ interface Played {
   readonly n_steps: number;
 }
 
-export function recordingName({ id }: { readonly id: number }): string {
-  return t`Recording ${id}`;
+/** What names a recording. */
+export interface Named {
+  readonly number: number | null;
+  readonly borrowed: boolean;
+  readonly run_id: string | null;
+  readonly behaviour_name: string | null;
+}
+
+/**
+ * Names a recording by its number, which its behaviour or its run has once; a borrowed one by where
+ * it is from, too. One that is not fetched yet has no number.
+ */
+export function recordingName(recording: Named | undefined): string {
+  if (!recording) return t`Recording`;
+  const { number, borrowed, run_id: runId, behaviour_name: behaviour } = recording;
+  if (number === null) return numberedName(null);
+  if (borrowed && runId !== null) return t`Recording ${number} of ${shortId(runId)}`;
+  if (borrowed && behaviour !== null) return t`Recording ${number} of ${behaviour}`;
+  return numberedName(number);
+}
+
+/** Names a recording of the behaviour at hand by its number, which it has from its end on. */
+export function numberedName(number: number | null): string {
+  return number === null ? t`New recording` : t`Recording ${number}`;
 }
 
 type Rankable = Pick<Played, "state" | "verification" | "deleted" | "n_steps">;

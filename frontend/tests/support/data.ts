@@ -39,6 +39,7 @@ export function recording(change: Partial<Recording> = {}): Recording {
   const id = change.id ?? 1;
   return {
     id,
+    number: id,
     behaviour_id: 1,
     behaviour_name: "Column 1",
     borrowed: false,

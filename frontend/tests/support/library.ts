@@ -15,6 +15,8 @@ export function libraryOf(list: readonly Row[], change: Partial<Library> = {}): 
     ranked: rankedOf(list),
     recordings: {
       id: column(({ id }) => id),
+      number: column(({ number }) => number),
+      behaviour_name: column(({ borrowed, behaviour_name: name }) => (borrowed ? name : null)),
       source: column(({ source }) => source),
       player: column(({ player }) => player),
       run_id: column(({ run_id }) => run_id),

@@ -71,13 +71,14 @@ class BehaviourUpdate(Schema):
 class PlannedDemonstration(Schema):
     """One of the demonstrations that exemplify a behaviour.
 
-    ``recording_id`` is a recording that hits what it asks for and ends without the player's death;
-    None while there is none.
+    ``recording_id`` and ``recording_number`` are of a recording that hits what it asks for and ends
+    without the player's death; None while there is none.
     """
 
     number: int
     description: str
     recording_id: int | None
+    recording_number: int | None
 
 
 class Checklist(Schema):
@@ -94,6 +95,7 @@ class Ghost(Schema):
     """
 
     recording_id: int
+    number: int | None
     source: Source
     lefts: list[int]
     top: int

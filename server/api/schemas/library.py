@@ -10,11 +10,14 @@ class LibraryColumns(Schema):
     """Recordings in brief, newest first: each list has the values of one field.
 
     The fields are those of ``Recording``; ``parent_id`` and ``parent_frame`` are of its ``parent``,
-    ``n_hits`` is the number of its ``hits``. ``counters`` has a list for each of the game's,
-    ``measured`` one of values for each of the behaviour's measures.
+    ``n_hits`` is the number of its ``hits``. ``behaviour_name`` is None for the behaviour's own.
+    ``counters`` has a list for each of the game's, ``measured`` one of values for each of the
+    behaviour's measures.
     """
 
     id: list[int]
+    number: list[int | None]
+    behaviour_name: list[str | None]
     source: list[Source]
     player: list[str | None]
     run_id: list[str | None]

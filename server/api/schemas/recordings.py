@@ -51,11 +51,14 @@ class Branch(Schema):
     """A related recording, and the frame at which the two part."""
 
     recording_id: int
+    number: int | None
     frame: int
 
 
 class Recording(Schema):
-    """``targets``, ``strays``, ``order_errors`` are None for behaviours without a target.
+    """``number`` names it among those of its behaviour, or of its run; None until it has ended.
+
+    ``targets``, ``strays``, ``order_errors`` are None for behaviours without a target.
 
     ``frames_url`` and ``strip_url`` carry a version, so that they may be cached for ever.
     ``latency`` is None if it was not measured. ``slowest_percent`` is the slowest speed of play,
@@ -72,6 +75,7 @@ class Recording(Schema):
     """
 
     id: int
+    number: int | None
     behaviour_id: int
     behaviour_name: str
     borrowed: bool

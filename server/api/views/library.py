@@ -45,6 +45,8 @@ def library_response(
     unknown = () if knows_all else ("run_id", "parent_id", "parent_frame")
     n_entries = len(brief.entries)
     columns |= dict.fromkeys(unknown, [None] * n_entries)
+    if not borrowed:
+        columns["behaviour_name"] = [None] * n_entries
     if borrowed or not knows_all:
         columns["perfect"] = [False] * n_entries
     ranking = rankings.as_ranking(rankings.current(session, behaviour.id))

@@ -28,7 +28,8 @@ def parent_of(session: Session, who: Identity, row: RecordingRow) -> Branch | No
         session, who.player_id, who.behaviour_ids, [row.parent_id]
     ):
         return None
-    return Branch(recording_id=row.parent_id, frame=row.parent_frame)
+    number = session.get_one(RecordingRow, row.parent_id).number
+    return Branch(recording_id=row.parent_id, number=number, frame=row.parent_frame)
 
 
 def _begun_by(conditions: PlayConditions | None) -> BegunBy | None:

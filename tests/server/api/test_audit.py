@@ -71,6 +71,8 @@ def test_marks_notes_and_renamings_are_logged(client: TestClient, workplace: Wor
         assert client.request(method, url, json=body).is_success
         (entry,) = _newest(client)
         assert (entry["action"], entry["subject"]) == said
+        if said[1].startswith("recording"):
+            assert entry["details"] == {"number": int(said[1].split()[1]), "behaviour": 1}
         assert entry["player_id"] is not None
         client.request(method, url, json=body)
         assert _newest(client) == [entry], "nothing was changed, so nothing is logged"

@@ -146,10 +146,10 @@ def test_recordings_that_can_not_be_ranked_are_named(
     assert answer.status_code == 422
     detail = answer.json()["detail"]
     assert f"recording {a} has been deleted" in detail
-    assert f"recording {b} is of another behaviour" in detail
+    assert f"recording {b} of Column 2 is of another behaviour" in detail
     assert f"recording {c} is not verified" in detail
-    assert f"recording {game['recording_id']} is not kept" in detail
-    assert "recording 9999 does not exist" in detail
+    assert "this recording is not kept" in detail
+    assert "a recording with the id 9999 does not exist" in detail
     assert f"recording {d}" not in detail
 
 

@@ -150,7 +150,7 @@ def test_games_of_a_deleted_behaviour_stay_with_their_borrowers_but_are_lent_no_
     with workplace.database.writing() as session:
         behaviours.delete(session, behaviours.get(session, own))
         assert session.get(BorrowedGameRow, (own, workplace.ranked[0])) is not None
-    with pytest.raises(Conflict, match=f"recording {kept} is of a deleted behaviour"):
+    with pytest.raises(Conflict, match="recording 2 of Own is of a deleted behaviour"):
         borrow(workplace, [kept])
     assert held(workplace) == [lent]
     assert tiers_of(workplace) == [[workplace.ranked[0]], [lent]]
@@ -239,8 +239,8 @@ def test_games_are_borrowed_all_or_none_and_the_reasons_are_named(
         borrow(workplace, [good, own, deleted, unverified, *by_policy])
     assert str(refusal.value) == (
         "Nothing was added to the ranking's games:"
-        f" recording {own} is in the behaviour's library, so that it can be ranked already,"
-        f" recording {deleted} has been deleted, recording {unverified} is not verified."
+        " recording 1 is in the behaviour's library, so that it can be ranked already,"
+        " recording 1 of Column 2 has been deleted, recording 2 of Column 2 is not verified."
     )
     with pytest.raises(NotFound, match="no such recordings: 998, 999"):
         borrow(workplace, [good, 999, 998])

@@ -1,6 +1,8 @@
 import { Trans } from "@lingui/react/macro";
 import type { ReactNode } from "react";
 
+import { useMedia } from "@/lib/browser/use-media";
+
 import { Button } from "./Button";
 import styles from "./Filters.module.css";
 
@@ -9,12 +11,15 @@ interface FiltersProps {
   role: "search" | "group";
   /** Undefined while nothing is left out. */
   onClear: (() => void) | undefined;
+  /** Whether a narrow page shows one row that opens, since the list is what people come for. */
+  folds?: boolean;
   children: ReactNode;
 }
 
 /** A row of menus and fields that narrow a list, with a button that clears them. */
-export function Filters({ label, role, onClear, children }: FiltersProps) {
-  return (
+export function Filters({ label, role, onClear, folds = false, children }: FiltersProps) {
+  const narrow = useMedia("(max-width: 40rem)");
+  const fields = (
     <div className={styles.filters} role={role} aria-label={label}>
       {children}
       {onClear && (
@@ -23,6 +28,16 @@ export function Filters({ label, role, onClear, children }: FiltersProps) {
         </Button>
       )}
     </div>
+  );
+  if (!folds || !narrow) return fields;
+  return (
+    <details className={styles.folded}>
+      <summary>
+        {label}
+        {onClear && <Trans>(some are set)</Trans>}
+      </summary>
+      {fields}
+    </details>
   );
 }
 

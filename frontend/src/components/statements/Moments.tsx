@@ -60,7 +60,7 @@ function Moment({ behaviourId, moment, title, playback }: MomentProps) {
   const { frame_rate_hz: rateHz } = useGame();
   const { recording_id: id, first_frame: first, n_frames: nFrames } = moment;
   const recording = useQuery(shownQuery(behaviourId, id));
-  const name = recordingName({ id });
+  const name = recordingName(recording.data);
   const [from, to] = [seconds(first / rateHz, 0), seconds((first + nFrames) / rateHz, 0)];
   return (
     <figure className={styles.moment}>

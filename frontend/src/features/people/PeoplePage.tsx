@@ -28,61 +28,63 @@ export function PeoplePage() {
       <h1>
         <Trans>People</Trans>
       </h1>
-      <section className={styles.section} aria-labelledby="invitations">
-        <h2 id="invitations">
-          <Trans>Invitations</Trans>
-        </h2>
-        <p className={styles.hint}>
-          <Trans>
-            Anyone with the link joins by giving a name. Players play one behaviour and see only
-            their own games. Revoking a link stops newcomers; those who joined stay until you sign
-            them out.
-          </Trans>
-        </p>
-        <Invitations />
-      </section>
-      <section className={styles.section} aria-labelledby="roles">
-        <h2 id="roles">
-          <Trans>What people may do</Trans>
-        </h2>
-        <p className={styles.hint}>
-          <Trans>
-            A change takes effect within seconds. Anyone who becomes a player keeps the games played
-            so far, and sees only those of the behaviours they play.
-          </Trans>
-        </p>
-        <Persons />
-      </section>
-      <section className={styles.section} aria-labelledby="browsers">
-        <h2 id="browsers">
-          <Trans>Signed-in browsers</Trans>
-        </h2>
-        <Browsers />
-        <p className={styles.hint}>
-          <Trans>
-            <code>tril address --new</code> in a terminal signs everybody out and makes earlier
-            addresses useless.
-          </Trans>
-        </p>
-      </section>
-      <section className={styles.section} aria-labelledby="keys">
-        <h2 id="keys">
-          <Trans>Keys for scripts</Trans>
-        </h2>
-        <p className={styles.hint}>
-          <Trans>
-            A script sends its key as <code>Authorization: Bearer</code>. What it does is logged as
-            yours.
-          </Trans>
-        </p>
-        <Keys />
-      </section>
-      <section className={styles.section} aria-labelledby="log">
-        <h2 id="log">
-          <Trans>Log</Trans>
-        </h2>
-        <Log />
-      </section>
+      <div className={styles.page}>
+        <section className={styles.section} aria-labelledby="invitations">
+          <h2 id="invitations">
+            <Trans>Invitations</Trans>
+          </h2>
+          <p className={styles.hint}>
+            <Trans>
+              Anyone with the link joins by giving a name. Players play one behaviour and see only
+              their own games. Revoking a link stops newcomers; those who joined stay until you sign
+              them out.
+            </Trans>
+          </p>
+          <Invitations />
+        </section>
+        <section className={styles.section} aria-labelledby="roles">
+          <h2 id="roles">
+            <Trans>What people may do</Trans>
+          </h2>
+          <p className={styles.hint}>
+            <Trans>
+              A change takes effect within seconds. Anyone who becomes a player keeps the games played
+              so far, and sees only those of the behaviours they play.
+            </Trans>
+          </p>
+          <Persons />
+        </section>
+        <section className={styles.section} aria-labelledby="browsers">
+          <h2 id="browsers">
+            <Trans>Signed-in browsers</Trans>
+          </h2>
+          <Browsers />
+          <p className={styles.hint}>
+            <Trans>
+              <code>tril address --new</code> in a terminal signs everybody out and makes earlier
+              addresses useless.
+            </Trans>
+          </p>
+        </section>
+        <section className={styles.section} aria-labelledby="keys">
+          <h2 id="keys">
+            <Trans>Keys for scripts</Trans>
+          </h2>
+          <p className={styles.hint}>
+            <Trans>
+              A script sends its key as <code>Authorization: Bearer</code>. What it does is logged as
+              yours.
+            </Trans>
+          </p>
+          <Keys />
+        </section>
+        <section className={styles.section} aria-labelledby="log">
+          <h2 id="log">
+            <Trans>Log</Trans>
+          </h2>
+          <Log />
+        </section>
+      </div>
     </>
   );
 }

@@ -16,8 +16,10 @@ export function roleName(role: Player["role"]): string {
 }
 
 /** Says what somebody did, with what it was done to; an unknown action as it is stored. */
-export function actionOf(entry: Pick<AuditEntry, "action" | "subject">): string {
-  const subject = subjectOf(entry.subject);
+export function actionOf(
+  entry: Pick<AuditEntry, "action" | "subject" | "details">,
+): string {
+  const subject = subjectOf(entry.subject, entry.details.number);
   const said: Record<AuditEntry["action"], string> = {
     "signed in": t`signed in (${subject})`,
     "signed out": t`signed out ${subject}`,
@@ -48,8 +50,8 @@ export function actionOf(entry: Pick<AuditEntry, "action" | "subject">): string 
   return wordFor(said, entry.action) ?? `${entry.action} ${subject}`.trim();
 }
 
-/** Names what is stored as a kind and an id: "recording 12". */
-function subjectOf(subject: string): string {
+/** Names what is stored as a kind and an id: "behaviour 12"; a recording by its number. */
+function subjectOf(subject: string, number?: unknown): string {
   const [kind = "", id = ""] = subject.split(" ");
   const said: Readonly<Record<string, string>> = {
     behaviour: t`behaviour ${id}`,
@@ -57,7 +59,7 @@ function subjectOf(subject: string): string {
     invitation: t`invitation ${id}`,
     key: t`key ${id}`,
     player: t`person ${id}`,
-    recording: t`recording ${id}`,
+    recording: typeof number === "number" ? t`recording ${number}` : t`a recording (id ${id})`,
     run: shortId(id),
   };
   return wordFor(said, kind) ?? subject;
@@ -82,6 +84,8 @@ function detailOf(name: string, value: string): string {
       return t`before: ${wordFor(roleNames(), value) ?? value}`;
     case "behaviour":
       return subjectOf(`${name} ${value}`);
+    case "number":
+      return "";
     case "recipe":
       return t`recipe: ${value}`;
     case "revision":

@@ -4,7 +4,7 @@ import { Trans } from "@lingui/react/macro";
 import { Button } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
 import { movedBetween, type Tiers } from "@/features/ranking/order/order";
-import { recordingName } from "@/lib/recordings";
+import { useRecordingName } from "@/lib/recording-names";
 
 import styles from "./ConflictDialog.module.css";
 
@@ -50,6 +50,7 @@ export function ConflictDialog({ theirs, mine, onSettle }: ConflictDialogProps) 
 }
 
 function Order({ tiers, moved }: { tiers: Tiers; moved: ReadonlySet<number> }) {
+  const nameOf = useRecordingName();
   if (tiers.length === 0)
     return (
       <p>
@@ -66,7 +67,7 @@ function Order({ tiers, moved }: { tiers: Tiers; moved: ReadonlySet<number> }) {
               <span key={id}>
                 {place > 0 && " = "}
                 <span className={moved.has(id) ? styles.moved : undefined}>
-                  {recordingName({ id })}
+                  {nameOf(id)}
                 </span>
               </span>
             ))}

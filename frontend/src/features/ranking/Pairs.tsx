@@ -51,13 +51,13 @@ export function Pairs({ pairs, behaviour, onPreview, onJudge }: PairsProps) {
       </ul>
       <div className={styles.verdicts}>
         <Button onClick={() => onJudge(pair, "after")}>
-          <Trans>{after.id} is better</Trans>
+          <Trans>{recordingName(after)} is better</Trans>
         </Button>
         <Button onClick={() => onJudge(pair, "equal")}>
           <Trans>Equally good</Trans>
         </Button>
         <Button onClick={() => onJudge(pair, "before")}>
-          <Trans>{before.id} is better</Trans>
+          <Trans>{recordingName(before)} is better</Trans>
         </Button>
       </div>
     </section>

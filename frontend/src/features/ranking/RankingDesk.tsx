@@ -34,6 +34,7 @@ import { UnderstandingPanel } from "@/features/ranking/understanding/Understandi
 import { isReadByStatements } from "@/features/ranking/understanding/use-understanding";
 import { useMedia } from "@/lib/browser/use-media";
 import { classes } from "@/lib/classes";
+import { KnownRecordings } from "@/lib/recording-names";
 import { recordingName, whyUnrankable } from "@/lib/recordings";
 import { selectedBy } from "@/lib/selection";
 
@@ -107,15 +108,16 @@ export function RankingDesk({ behaviour, ranking, recordings, isWhole }: Ranking
     [refocus],
   );
 
-  const nameOfItem = useCallback((item: string) => recordingName({ id: Number(item) }), []);
+  const nameOf = useCallback((id: number) => recordingName(byId.get(id)), [byId]);
+  const nameOfItem = useCallback((item: string) => nameOf(Number(item)), [nameOf]);
   const nameOfPlace = useCallback((to: string) => describePlace(to, tiers), [tiers]);
 
   const show = useCallback(
     (id: number, next: Tiers) => {
       saver.change(next);
-      setSpoken(`${recordingName({ id })}: ${describePosition(next, id)}.`);
+      setSpoken(`${nameOf(id)}: ${describePosition(next, id)}.`);
     },
-    [saver],
+    [saver, nameOf],
   );
   const move = useCallback(
     (id: number, kind: Move) => {
@@ -214,144 +216,146 @@ export function RankingDesk({ behaviour, ranking, recordings, isWhole }: Ranking
         saver.change(next);
         setSpoken(
           [pair.after, pair.before]
-            .map(({ id }) => `${recordingName({ id })}: ${describePosition(next, id)}.`)
+            .map(({ id }) => `${nameOf(id)}: ${describePosition(next, id)}.`)
             .join(" "),
         );
       }}
     />
   );
   return (
-    <DragBoard
-      places={allPlaces(tiers)}
-      isThin={isGap}
-      nameOfItem={nameOfItem}
-      nameOfPlace={nameOfPlace}
-      onDragging={(now) => {
-        setDragging(now);
-        if (now) saver.hold();
-        else saver.release();
-      }}
-      onDrop={(item, to) => {
-        const at = findPlace(to, tiers);
-        if (at) saver.change(place(tiers, Number(item), at));
-      }}
-      renderDragged={(item) => {
-        return <DraggedCard recordingId={Number(item)} behaviour={behaviour} />;
-      }}
-    >
-      <div className={classes(styles.page, selected.length > 0 && styles.selecting)}>
-        <section className={styles.ranking} aria-label={t`Ranking`}>
-          <SaveBar state={state} saver={saver}>
-            <Hints
-              tiers={tiers}
-              nPerfect={perfect?.length ?? behaviour.n_perfect}
-              borrowed={borrowed}
-              behaviour={behaviour}
-            />
-          </SaveBar>
-          {narrow && asked}
-          {narrow && tiers.length > 0 && nUnranked > 0 && (
-            <Button className={styles.toUnranked} icon="down" onClick={focusTray}>
-              <Plural
-                value={nUnranked}
-                one="# game not ranked yet"
-                other="# games not ranked yet"
-              />
-            </Button>
-          )}
-          <Board {...desk} />
-        </section>
-        <div className={styles.side}>
-          {!narrow && (
-            <Preview
-              recordingId={previewed ?? tiers[0]?.[0] ?? unranked[0]}
-              playing={previewed !== null}
-              behaviour={behaviour}
-            />
-          )}
-          {!narrow && asked}
-          <Tray
-            {...desk}
-            unranked={unranked}
-            nUnranked={nUnranked}
-            above={
-              isComparable && (
-                <div>
-                  <Button icon="compare" onClick={placeByComparing}>
-                    <Trans>Place by comparing</Trans>
-                  </Button>
-                </div>
-              )
-            }
-            below={
-              <VariedGames
+    <KnownRecordings value={byId}>
+      <DragBoard
+        places={allPlaces(tiers)}
+        isThin={isGap}
+        nameOfItem={nameOfItem}
+        nameOfPlace={nameOfPlace}
+        onDragging={(now) => {
+          setDragging(now);
+          if (now) saver.hold();
+          else saver.release();
+        }}
+        onDrop={(item, to) => {
+          const at = findPlace(to, tiers);
+          if (at) saver.change(place(tiers, Number(item), at));
+        }}
+        renderDragged={(item) => {
+          return <DraggedCard recordingId={Number(item)} behaviour={behaviour} />;
+        }}
+      >
+        <div className={classes(styles.page, selected.length > 0 && styles.selecting)}>
+          <section className={styles.ranking} aria-label={t`Ranking`}>
+            <SaveBar state={state} saver={saver}>
+              <Hints
+                tiers={tiers}
+                nPerfect={perfect?.length ?? behaviour.n_perfect}
+                borrowed={borrowed}
                 behaviour={behaviour}
-                varied={isWhole ? varied : []}
-                onAdded={(added) => {
-                  // One that hits a target may be better than the worst.
-                  const ids = added.filter(({ targets }) => !targets).map(({ id }) => id);
-                  setChosen(new Set(ids));
-                  const games = plural(added.length, {
-                    one: "# varied game added",
-                    other: "# varied games added",
-                  });
-                  const done = t`${games}, ${ids.length} of them selected: those that hit no target.`;
-                  setSpoken(done);
-                  toast(done);
-                }}
-                onSelect={(ids) => setChosen(new Set(ids))}
               />
-            }
+            </SaveBar>
+            {narrow && asked}
+            {narrow && tiers.length > 0 && nUnranked > 0 && (
+              <Button className={styles.toUnranked} icon="down" onClick={focusTray}>
+                <Plural
+                  value={nUnranked}
+                  one="# game not ranked yet"
+                  other="# games not ranked yet"
+                />
+              </Button>
+            )}
+            <Board {...desk} />
+          </section>
+          <div className={styles.side}>
+            {!narrow && (
+              <Preview
+                recordingId={previewed ?? tiers[0]?.[0] ?? unranked[0]}
+                playing={previewed !== null}
+                behaviour={behaviour}
+              />
+            )}
+            {!narrow && asked}
+            <Tray
+              {...desk}
+              unranked={unranked}
+              nUnranked={nUnranked}
+              above={
+                isComparable && (
+                  <div>
+                    <Button icon="compare" onClick={placeByComparing}>
+                      <Trans>Place by comparing</Trans>
+                    </Button>
+                  </div>
+                )
+              }
+              below={
+                <VariedGames
+                  behaviour={behaviour}
+                  varied={isWhole ? varied : []}
+                  onAdded={(added) => {
+                    // One that hits a target may be better than the worst.
+                    const ids = added.filter(({ targets }) => !targets).map(({ id }) => id);
+                    setChosen(new Set(ids));
+                    const games = plural(added.length, {
+                      one: "# varied game added",
+                      other: "# varied games added",
+                    });
+                    const done = t`${games}, ${ids.length} of them selected: those that hit no target.`;
+                    setSpoken(done);
+                    toast(done);
+                  }}
+                  onSelect={(ids) => setChosen(new Set(ids))}
+                />
+              }
+            />
+          </div>
+          <div className={styles.understood}>
+            {isRead ? (
+              <UnderstandingPanel
+                behaviourId={behaviour.id}
+                tiers={state.tiers}
+                perfect={perfect}
+                onRank={isComparable ? (id) => setCompared([id]) : null}
+              />
+            ) : (
+              <OpinionBar
+                behaviour={behaviour}
+                opinions={opinions}
+                shown={advised}
+                onShow={setAdvised}
+              />
+            )}
+          </div>
+        </div>
+        <SelectionBar
+          tiers={tiers}
+          selected={selected}
+          onPut={putSelected}
+          onCompare={isComparable && selectedUnranked.length > 0 ? placeByComparing : null}
+          onSelectNone={() => setChosen(new Set())}
+        />
+        <p role="status" className="visually-hidden">
+          {spoken}
+        </p>
+        {question}
+        {compared && (
+          <CompareDialog
+            ids={compared}
+            behaviour={behaviour}
+            recordings={byId}
+            opinions={opinions.of}
+            state={state}
+            saver={saver}
+            onClose={endComparing}
           />
-        </div>
-        <div className={styles.understood}>
-          {isRead ? (
-            <UnderstandingPanel
-              behaviourId={behaviour.id}
-              tiers={state.tiers}
-              perfect={perfect}
-              onRank={isComparable ? (id) => setCompared([id]) : null}
-            />
-          ) : (
-            <OpinionBar
-              behaviour={behaviour}
-              opinions={opinions}
-              shown={advised}
-              onShow={setAdvised}
-            />
-          )}
-        </div>
-      </div>
-      <SelectionBar
-        tiers={tiers}
-        selected={selected}
-        onPut={putSelected}
-        onCompare={isComparable && selectedUnranked.length > 0 ? placeByComparing : null}
-        onSelectNone={() => setChosen(new Set())}
-      />
-      <p role="status" className="visually-hidden">
-        {spoken}
-      </p>
-      {question}
-      {compared && (
-        <CompareDialog
-          ids={compared}
-          behaviour={behaviour}
-          recordings={byId}
-          opinions={opinions.of}
-          state={state}
-          saver={saver}
-          onClose={endComparing}
-        />
-      )}
-      {state.conflict && !dragging && (
-        <ConflictDialog
-          theirs={state.conflict.tiers}
-          mine={tiers}
-          onSettle={(whose) => saver.settle(whose)}
-        />
-      )}
-    </DragBoard>
+        )}
+        {state.conflict && !dragging && (
+          <ConflictDialog
+            theirs={state.conflict.tiers}
+            mine={tiers}
+            onSettle={(whose) => saver.settle(whose)}
+          />
+        )}
+      </DragBoard>
+    </KnownRecordings>
   );
 }
 

@@ -7,6 +7,7 @@ import { Link, useNavigate, useSearchParams } from "react-router";
 import { courseQuery, framesQuery } from "@/api/recordings";
 import type { Behaviour, Recording, RecordingCourse, TaughtGame } from "@/api/types";
 import { Button } from "@/components/controls/Button";
+import { Icon } from "@/components/controls/Icon";
 import { Failed, Loading, Notice } from "@/components/feedback/States";
 import { PageTitle } from "@/components/PageTitle";
 import { KeepOrDiscard } from "@/components/recording/KeepOrDiscard";
@@ -27,7 +28,7 @@ import { inSentence, moment, seconds } from "@/lib/format";
 import { cellName } from "@/lib/game/items";
 import type { Playback } from "@/lib/game/playback";
 import { valueRows } from "@/lib/recipe-values";
-import { recordingName } from "@/lib/recordings";
+import { numberedName, recordingName } from "@/lib/recordings";
 import { actorNames } from "@/lib/actors";
 
 import { VerifiedBadge } from "./badges";
@@ -142,7 +143,6 @@ function Actions({ recording, behaviour }: { recording: Recording; behaviour: Be
     <div className={styles.buttons}>
       {recording.run_id === null && (
         <Button
-          icon="star"
           aria-pressed={recording.perfect}
           disabled={recording.deleted}
           onClick={() => {
@@ -150,6 +150,7 @@ function Actions({ recording, behaviour }: { recording: Recording; behaviour: Be
             else mark([recording], () => actions.setPerfect(recording, true));
           }}
         >
+          <Icon name="star" filled={recording.perfect} />
           {recording.perfect ? t`Perfect` : t`Mark as perfect`}
         </Button>
       )}
@@ -289,7 +290,7 @@ function Relatives({ course }: { course: RecordingCourse }) {
             <Trans>
               Branches off{" "}
               <Link to={`/recordings/${parent.recording_id}?frame=${parent.frame}`}>
-                recording {parent.recording_id}, frame {parent.frame}
+                {inSentence(numberedName(parent.number))}, frame {parent.frame}
               </Link>
             </Trans>
           </li>
@@ -298,7 +299,7 @@ function Relatives({ course }: { course: RecordingCourse }) {
           <li key={branch.recording_id}>
             <Trans>
               <Link to={`/recordings/${branch.recording_id}?frame=${branch.frame}`}>
-                Recording {branch.recording_id}
+                {numberedName(branch.number)}
               </Link>{" "}
               branches off at frame {branch.frame}
             </Trans>

@@ -79,6 +79,7 @@ describe("the page of people", () => {
     serve({
       ...PEOPLE,
       "GET /api/audit": () => [
+        entry(7, "deleted", "recording 163", { number: 4, behaviour: 1 }),
         entry(6, "queued a run", "run 3f2a9c41-0000", { behaviour: 1, recipe: "standard" }),
         entry(5, "ranked", "behaviour 1", { revision: 4, change: "edit" }),
         entry(4, "ranked", "behaviour 1", { revision: 3, change: "undo" }),
@@ -96,6 +97,7 @@ describe("the page of people", () => {
     await expect
       .poll(() => log.getAllByRole("listitem").map((item) => item.textContent.split("Ada ")[1]))
       .toEqual([
+        "deleted recording 4 (behaviour 1)",
         "started Run 3f2a9c (behaviour 1, recipe: standard)",
         "ranked behaviour 1 (revision 4)",
         "ranked behaviour 1 (revision 3, undone)",

@@ -85,6 +85,7 @@ const ENDED = {
 
 const GHOST = {
   recording_id: 5,
+  number: 2,
   source: "person",
   lefts: [34, 34, 35],
   top: 185,
@@ -102,7 +103,7 @@ function open(one = behaviour()) {
   const asked = serve({
     "GET /api/behaviours/1/ghost": () => ghost,
     "GET /api/behaviours/1/recordings": () =>
-      undecided.map((id) => recording({ id, state: "finished" })),
+      undecided.map((id) => recording({ id, number: id - 5, state: "finished" })),
     "POST /api/games": () => ({
       id: "g1",
       recording_id: 7,
@@ -121,16 +122,16 @@ function open(one = behaviour()) {
     }),
     "GET /api/behaviours/1/checklist": () => ({
       planned: [
-        { number: 1, description: "2 of 2 target aliens, no other", recording_id: 5 },
-        { number: 2, description: "1 of 2 target aliens, no other", recording_id: null },
-        { number: 3, description: "No alien is hit", recording_id: null },
+        { number: 1, description: "2 of 2 target aliens, no other", recording_id: 5, recording_number: 1 },
+        { number: 2, description: "1 of 2 target aliens, no other", recording_id: null, recording_number: null },
+        { number: 3, description: "No alien is hit", recording_id: null, recording_number: null },
       ],
       note: "",
     }),
     "GET /api/games/g1": () => new Refusal(404, { detail: "Over." }),
-    "POST /api/recordings/7/keep": () => recording({ id: 7 }),
-    "POST /api/recordings/7/discard": () => recording({ id: 7, deleted: true }),
-    "POST /api/recordings/7/restore": () => recording({ id: 7 }),
+    "POST /api/recordings/7/keep": () => recording({ id: 7, number: 3 }),
+    "POST /api/recordings/7/discard": () => recording({ id: 7, number: 3, deleted: true }),
+    "POST /api/recordings/7/restore": () => recording({ id: 7, number: 3 }),
     "PATCH /api/recordings/7": () => recording({ id: 7, perfect: true }),
   });
   show(<PlayPage behaviour={one} />);
@@ -185,7 +186,7 @@ describe("the demonstrations to play", () => {
     open();
     const list = within(await screen.findByRole("list", { name: "Demonstrations, best first" }));
     const [first, second] = list.getAllByRole("listitem");
-    expect(first).toHaveTextContent("2 of 2 target aliens, no other Recording 5");
+    expect(first).toHaveTextContent("2 of 2 target aliens, no other Recording 1");
     expect(second).toHaveTextContent("1 of 2 target aliens, no other, missing");
     expect(screen.getByText("Demonstrations: 1 of 3")).toBeVisible();
     expect(screen.getByText(/^Next: 1 of 2 target aliens/)).toBeVisible();
@@ -472,7 +473,7 @@ describe("playing", () => {
     expect(fetched()).toEqual([]);
     await userEvent.keyboard("g");
     const legend = within(await screen.findByRole("list", { name: /^Drawn over the game/ }));
-    expect(legend.getByRole("link", { name: "Recording 5" })).toBeVisible();
+    expect(legend.getByRole("link", { name: "Recording 2" })).toBeVisible();
     await userEvent.keyboard("gg");
     expect(fetched()).toHaveLength(1);
     expect(localStorage.getItem("tril.play.ghost")).toBe("true");
@@ -546,9 +547,9 @@ describe("games that nobody decided about", () => {
     undecided = [6, 7];
     const { did } = await end();
     expect(await screen.findByText("1 game waits for your decision")).toBeVisible();
-    await userEvent.click(screen.getByRole("button", { name: "Keep Recording 6" }));
+    await userEvent.click(screen.getByRole("button", { name: "Keep Recording 1" }));
     expect(did()).toContain("/api/recordings/6/keep");
-    expect(screen.queryByRole("button", { name: "Keep Recording 7" })).toBeNull();
+    expect(screen.queryByRole("button", { name: "Keep Recording 2" })).toBeNull();
   });
 });
 
@@ -558,7 +559,7 @@ describe("after the end", () => {
     expect(screen.getByText("Hit by a bomb after 9.3 s")).toBeVisible();
     expect(screen.getByText("1 of 2 targets, no strays")).toBeVisible();
     await userEvent.keyboard("k");
-    expect(await screen.findByText("Kept as recording 7.")).toBeVisible();
+    expect(await screen.findByText("Kept as recording 3.")).toBeVisible();
     expect(did()).toEqual(["/api/games", "/api/recordings/7/keep"]);
     expect(screen.queryByRole("button", { name: /^Keep/ })).toBeNull();
   });
@@ -584,7 +585,7 @@ describe("after the end", () => {
     await userEvent.keyboard("x");
     expect(await screen.findByText("Discarded.")).toBeVisible();
     await userEvent.click(screen.getByRole("button", { name: "Undo" }));
-    expect(await screen.findByText("Kept as recording 7.")).toBeVisible();
+    expect(await screen.findByText("Kept as recording 3.")).toBeVisible();
     expect(did().at(-1)).toBe("/api/recordings/7/restore");
   });
 
@@ -597,7 +598,7 @@ describe("after the end", () => {
     expect(did()).toEqual(["/api/games"]);
     expect(screen.getByRole("button", { name: "Don’t mark" })).toHaveFocus();
     await userEvent.click(screen.getByRole("button", { name: "Mark all the same" }));
-    expect(await screen.findByText("Kept as recording 7, marked as perfect.")).toBeVisible();
+    expect(await screen.findByText("Kept as recording 3, marked as perfect.")).toBeVisible();
     expect(did()).toContain("/api/recordings/7/keep");
     expect(asked.find(({ method }) => method === "PATCH")?.body).toEqual({ perfect: true });
   });

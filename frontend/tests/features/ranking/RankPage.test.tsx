@@ -29,7 +29,7 @@ function rankingServer(
     recording({
       id,
       perfect: id === 1,
-      parent: id === 4 ? { recording_id: 3, frame: 300 } : null,
+      parent: id === 4 ? { recording_id: 3, number: 3, frame: 300 } : null,
     }),
   );
   all.push(...more);
@@ -46,7 +46,7 @@ function rankingServer(
     return standing;
   };
   const varied = [
-    recording({ id: 11, behaviour_id: 2, behaviour_name: "Column 2", borrowed: true, targets: 0 }),
+    recording({ id: 11, number: 2, behaviour_id: 2, behaviour_name: "Column 2", borrowed: true, targets: 0 }),
     recording({ id: 12, source: "varied", player: null, targets: 0 }),
     recording({ id: 13, source: "varied", player: null, targets: 6 }),
   ];
@@ -435,7 +435,7 @@ describe("varied games", () => {
     await press("Add varied games");
     const done = "3 varied games added, 2 of them selected: those that hit no target.";
     expect((await screen.findAllByText(done))[0]).toBeInTheDocument();
-    const borrowed = within(await screen.findByRole("article", { name: "Recording 11" }));
+    const borrowed = within(await screen.findByRole("article", { name: "Recording 2 of Column 2" }));
     expect(borrowed.getByText("from Column 2")).toBeVisible();
     expect(borrowed.queryByRole("button", { name: /perfect/ })).toBeNull();
     const varied = within(await screen.findByRole("article", { name: "Recording 12" }));
@@ -458,10 +458,10 @@ describe("varied games", () => {
     await press("Select none");
     expect(screen.queryByText(/recordings selected/)).toBeNull();
     await press("Select all varied (3)");
-    expect(await screen.findByRole("checkbox", { name: "Select Recording 11" })).toBeChecked();
+    expect(await screen.findByRole("checkbox", { name: "Select Recording 2 of Column 2" })).toBeChecked();
     expect(screen.getByRole("checkbox", { name: "Select Recording 3" })).not.toBeChecked();
-    await press("Give back: Recording 11");
-    await waitFor(() => expect(screen.queryByRole("article", { name: "Recording 11" })).toBeNull());
+    await press("Give back: Recording 2 of Column 2");
+    await waitFor(() => expect(screen.queryByRole("article", { name: "Recording 2 of Column 2" })).toBeNull());
     expect(screen.getByText("2 recordings selected")).toBeVisible();
   });
 
@@ -469,10 +469,10 @@ describe("varied games", () => {
     const runId = "3f2a9c00-0000-4000-8000-000000000000";
     const played = recording({ id: 14, source: "policy", run_id: runId, borrowed: true });
     await open({ tiers: [[1], [2]] }, undefined, [played]);
-    const card = within(screen.getByRole("article", { name: "Recording 14" }));
+    const card = within(screen.getByRole("article", { name: "Recording 14 of Run 3f2a9c" }));
     expect(card.getByText("from Run 3f2a9c")).toBeVisible();
     expect(card.queryByRole("button", { name: /perfect/ })).toBeNull();
-    expect(card.getByRole("button", { name: "Give back: Recording 14" })).toBeVisible();
+    expect(card.getByRole("button", { name: "Give back: Recording 14 of Run 3f2a9c" })).toBeVisible();
     expect(screen.queryByRole("button", { name: /Select all varied/ })).toBeNull();
   });
 

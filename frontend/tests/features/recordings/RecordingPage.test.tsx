@@ -43,6 +43,8 @@ function trace(runId: string) {
     run_id: runId,
     recording_id: 1,
     rewards: levels,
+    zero_level_reward: 0,
+    unit_level_reward: 1,
     levels,
     reward_deviations: deviations,
     level_deviations: deviations,
@@ -168,12 +170,12 @@ describe("the page of a recording", () => {
   });
 
   it("leads to what it goes on from and to what goes on from it", async () => {
-    page({}, { parent: { recording_id: 7, frame: 90 }, branches: [{ recording_id: 9, frame: 3 }] });
-    expect(await screen.findByRole("link", { name: "recording 7, frame 90" })).toHaveAttribute(
+    page({}, { parent: { recording_id: 7, number: 2, frame: 90 }, branches: [{ recording_id: 9, number: 4, frame: 3 }] });
+    expect(await screen.findByRole("link", { name: "recording 2, frame 90" })).toHaveAttribute(
       "href",
       "/recordings/7?frame=90",
     );
-    expect(screen.getByRole("link", { name: "Recording 9" })).toHaveAttribute(
+    expect(screen.getByRole("link", { name: "Recording 4" })).toHaveAttribute(
       "href",
       "/recordings/9?frame=3",
     );
@@ -229,7 +231,7 @@ describe("the page of a recording", () => {
       (await curve()).focus();
       await userEvent.keyboard("{Shift>}{ArrowRight}{/Shift}");
       expect((await position()).valueAsNumber).toBe(16);
-      expect(screen.getByText("Level 0.67 ± 0.08 (R 0.67 ± 0.08) at step 4")).toBeVisible();
+      expect(screen.getByText("R 0.67 ± 0.08 at step 4")).toBeVisible();
       expect(screen.getByText(/Band: ± one standard deviation/)).toBeVisible();
       await userEvent.keyboard("{Home}");
       expect(await curve()).toHaveAttribute("aria-valuetext", "step 0, level 0.00 ± 0.08");

@@ -502,13 +502,13 @@ describe("the results", () => {
   it("say nothing of wanted aliens where the reward was learned otherwise", async () => {
     const check = results.check && { ...results.check, wanted: null };
     open(one, { ...results, check: check ?? null }, {}, "#check");
-    await screen.findByRole("table", { name: "Predicted returns" });
+    await screen.findByRole("table", { name: "Ranked games by the reward" });
     expect(screen.queryByRole("region", { name: "What the reward wants" })).toBeNull();
   });
 
   it("set predicted returns against tiers and mark what is out of order", async () => {
     open(one, results, {}, "#check");
-    const table = within(await screen.findByRole("table", { name: "Predicted returns" }));
+    const table = within(await screen.findByRole("table", { name: "Ranked games by the reward" }));
     const rows = table
       .getAllByRole("row")
       .slice(1)
@@ -553,7 +553,7 @@ describe("the results", () => {
     open(one, { ...results, check: check ?? null }, {}, "#check");
     const plot = await screen.findByRole("img", { name: "Final level by tier" });
     expect(plot).toHaveTextContent("Recording 12, tier 1: 0.91");
-    const table = screen.getByRole("table", { name: "Predicted returns" });
+    const table = screen.getByRole("table", { name: "Ranked games by the reward" });
     const rows = within(table)
       .getAllByRole("row")
       .slice(1)
@@ -620,12 +620,27 @@ describe("the results", () => {
   });
 
   it("lead to the state at any percentile of R, and to those of the maps", async () => {
-    open(one, results, { "GET /api/recordings/12/frames": () => framesFile(8) }, "#attention");
+    const routes = {
+      "GET /api/recordings/12/frames": () => framesFile(8),
+      [`GET /api/runs/${one.id}/reward/12`]: () => ({
+        run_id: one.id,
+        recording_id: 12,
+        rewards: [0, 10],
+        levels: [0, 1],
+        zero_level_reward: 0,
+        unit_level_reward: 10,
+        reward_deviations: null,
+        level_deviations: null,
+      }),
+    };
+    open(one, results, routes, "#attention");
     const any = within(await screen.findByRole("region", { name: "Any percentile of R" }));
     const slider = any.getByRole("slider", { name: "Any percentile of R" });
-    expect(slider).toHaveAttribute("aria-valuetext", "75th percentile, R 7.50");
+    await waitFor(() =>
+      expect(slider).toHaveAttribute("aria-valuetext", "75th percentile, R 0.75"),
+    );
     fireEvent.change(slider, { target: { value: "93" } });
-    expect(slider).toHaveAttribute("aria-valuetext", "93rd percentile, R 9.30");
+    expect(slider).toHaveAttribute("aria-valuetext", "93rd percentile, R 0.93");
     expect(any.getByText("Recording 12, step 186")).toBeVisible();
     expect(
       await any.findByRole("img", { name: "Screen at step 186 of Recording 12" }),

@@ -7,6 +7,7 @@ import type { HitAt } from "@/features/play/stream/text-messages";
 const ALIENS = { width: 8, height: 10, column_px: 16, row_px: 18 };
 const GHOST: Ghost = {
   recording_id: 5,
+  number: 2,
   source: "scripted",
   lefts: [34, 34, 35],
   top: 185,

@@ -6,7 +6,7 @@ import { Link } from "react-router";
 import { checklistQuery } from "@/api/behaviours";
 import type { Behaviour } from "@/api/types";
 import { Icon } from "@/components/controls/Icon";
-import { recordingName } from "@/lib/recordings";
+import { numberedName } from "@/lib/recordings";
 
 import styles from "./Checklist.module.css";
 
@@ -36,7 +36,7 @@ export function Checklist({ behaviour }: { behaviour: Behaviour }) {
         </Trans>
       </p>
       <ol aria-label={t`Demonstrations, best first`}>
-        {planned.map(({ number, description, recording_id: id }) => (
+        {planned.map(({ number, description, recording_id: id, recording_number: named }) => (
           <li key={number} className={id === null ? undefined : styles.ticked}>
             <Icon name={id === null ? "play" : "check"} />
             <span>
@@ -48,7 +48,7 @@ export function Checklist({ behaviour }: { behaviour: Behaviour }) {
               ) : (
                 <>
                   {" "}
-                  <Link to={`/recordings/${id}`}>{recordingName({ id })}</Link>
+                  <Link to={`/recordings/${id}`}>{numberedName(named)}</Link>
                 </>
               )}
             </span>

@@ -8,7 +8,7 @@ import { SHOW_GHOST, SHOW_LATENCY, SHOW_TARGETS, SOUND } from "@/features/play/s
 import { type Setting, useSetting } from "@/features/play/settings/stored";
 import { canSound } from "@/features/play/sound/use-sounds";
 import type { Marks } from "@/games/view";
-import { recordingName } from "@/lib/recordings";
+import { numberedName } from "@/lib/recordings";
 import { playedBy, actorColour } from "@/lib/actors";
 
 import styles from "./Toggles.module.css";
@@ -104,7 +104,7 @@ function Legend({ target, ghost }: Marks) {
             <Trans>
               the player at this moment of the best demonstration,{" "}
               <Link to={`/recordings/${ghost.recording_id}`}>
-                {recordingName({ id: ghost.recording_id })}
+                {numberedName(ghost.number)}
               </Link>
             </Trans>
           </span>

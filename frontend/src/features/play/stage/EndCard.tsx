@@ -11,6 +11,7 @@ import { keyName } from "@/features/play/input/keys";
 import type { Ended } from "@/features/play/stream/text-messages";
 import { useGame } from "@/games/game";
 import { describeResult, endSentence } from "@/games/outcomes";
+import { inSentence } from "@/lib/format";
 import { stepOf } from "@/lib/recordings";
 
 import { Overlay } from "./Overlay";
@@ -85,7 +86,7 @@ export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind 
             </Trans>
           </p>
         )}
-        {!empty && <p>{decisionSentence(decision, perfect, ended.recording_id)}</p>}
+        {!empty && <p>{decisionSentence(decision, perfect, result.name)}</p>}
       </div>
       <div className={styles.actions}>
         {decision === "open" && (
@@ -141,10 +142,11 @@ export function EndCard({ ended, behaviour, handle, starting, onAgain, onRewind 
 function decisionSentence(
   decision: "open" | "kept" | "discarded",
   perfect: boolean,
-  id: number,
+  recording: string,
 ): string {
   if (decision === "kept") {
-    return perfect ? t`Kept as recording ${id}, marked as perfect.` : t`Kept as recording ${id}.`;
+    const name = inSentence(recording);
+    return perfect ? t`Kept as ${name}, marked as perfect.` : t`Kept as ${name}.`;
   }
   return decision === "discarded" ? t`Discarded.` : "";
 }

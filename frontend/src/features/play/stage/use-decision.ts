@@ -10,12 +10,15 @@ import {
   updateRecording,
 } from "@/api/recordings";
 import { useToast } from "@/components/feedback/Toasts";
+import { recordingName } from "@/lib/recordings";
 
 type Decision = "open" | "kept" | "discarded";
 
 interface GameDecision {
   readonly decision: Decision;
   readonly perfect: boolean;
+  /** The recording's name, known once something is decided. */
+  readonly name: string;
   readonly busy: boolean;
   keep: () => void;
   discard: () => void;
@@ -33,6 +36,7 @@ export function useDecision(
   const toast = useToast();
   const [decision, setDecision] = useState<Decision>(empty ? "discarded" : "open");
   const [perfect, setPerfect] = useState(false);
+  const [name, setName] = useState("");
 
   const change = useMutation({
     mutationFn: async (act: () => Promise<unknown>) => {
@@ -55,7 +59,7 @@ export function useDecision(
   function keep() {
     if (decision !== "open") return;
     change.mutate(async () => {
-      await keepRecording(recordingId);
+      setName(recordingName(await keepRecording(recordingId)));
       setDecision("kept");
     });
   }
@@ -63,15 +67,15 @@ export function useDecision(
   function discard() {
     if (decision === "discarded") return;
     change.mutate(async () => {
-      await discardRecording(recordingId);
+      const discarded = recordingName(await discardRecording(recordingId));
       setDecision("discarded");
-      toast(t`Recording ${recordingId} discarded.`, { label: t`Undo`, run: undo });
+      toast(t`${discarded} discarded.`, { label: t`Undo`, run: undo });
     });
   }
 
   function undo() {
     change.mutate(async () => {
-      await restoreRecording(recordingId);
+      setName(recordingName(await restoreRecording(recordingId)));
       setDecision("kept");
     });
   }
@@ -79,12 +83,12 @@ export function useDecision(
   function togglePerfect() {
     if (decision === "discarded") return;
     change.mutate(async () => {
-      if (decision === "open") await keepRecording(recordingId);
+      if (decision === "open") setName(recordingName(await keepRecording(recordingId)));
       setDecision("kept");
       await updateRecording(recordingId, { perfect: !perfect });
       setPerfect(!perfect);
     });
   }
 
-  return { decision, perfect, busy: change.isPending, keep, discard, togglePerfect };
+  return { decision, perfect, name, busy: change.isPending, keep, discard, togglePerfect };
 }

@@ -136,7 +136,7 @@ function Facts({
       <div className={styles.words}>
         <div className={styles.title}>
           {children}
-          <h3>{recordingName(recording)}</h3>
+          <h3>{recordingName({ ...recording, borrowed: false })}</h3>
           <SourceBadge recording={recording} />
           {recording.borrowed && <Origin recording={recording} />}
         </div>

@@ -13,7 +13,7 @@ import { shownQuery } from "@/api/library";
 import type { Behaviour, Recording } from "@/api/types";
 import { Failed } from "@/components/feedback/States";
 import { isTied, tierOf, type Tiers } from "@/features/ranking/order/order";
-import { recordingName } from "@/lib/recordings";
+import { useRecordingName } from "@/lib/recording-names";
 
 import { useDragged } from "./DragBoard";
 import { CardBody, type Move, RankCard } from "./RankCard";
@@ -63,15 +63,12 @@ function FetchedCard(props: Omit<ShownCardProps, "pinned"> & { height: number | 
   const { recordingId, tiers, height, onPreview, onMove, onSelect } = props;
   const { onPerfect, onGiveBack, renderOpinion, ...rest } = props;
   const { data, error, refetch } = useQuery(shownQuery(rest.behaviour.id, recordingId));
+  const nameOf = useRecordingName();
   if (!data) {
     return (
       <Missing recordingId={recordingId} height={height} busy={!error}>
         {error && (
-          <Failed
-            what={recordingName({ id: recordingId })}
-            error={error}
-            onRetry={() => void refetch()}
-          />
+          <Failed what={nameOf(recordingId)} error={error} onRetry={() => void refetch()} />
         )}
       </Missing>
     );
@@ -100,11 +97,12 @@ interface MissingProps {
 
 /** The place of a card that is not laid out. */
 function Missing({ recordingId, height, busy = false, children }: MissingProps) {
+  const nameOf = useRecordingName();
   return (
     <div
       role="group"
       className={styles.missing}
-      aria-label={recordingName({ id: recordingId })}
+      aria-label={nameOf(recordingId)}
       aria-busy={busy}
       style={{ minHeight: height }}
     >

@@ -5,7 +5,7 @@ import { describePosition } from "@/features/ranking/board/places";
 import { place, sameOrder, tierOf, type Tiers } from "@/features/ranking/order/order";
 import type { RankingSaver } from "@/features/ranking/order/saver";
 import { dropDraft, readDraft, writeDraft } from "@/lib/browser/drafts";
-import { recordingName } from "@/lib/recordings";
+import { useRecordingName } from "@/lib/recording-names";
 
 import type { Verdict } from "./search";
 import {
@@ -25,6 +25,8 @@ import {
   skippedIn,
   withoutLast,
 } from "./session";
+
+type NameOf = (id: number) => string;
 
 export interface Comparing {
   readonly question: Question | null;
@@ -58,6 +60,7 @@ export function useComparing(
   );
   const [busy, setBusy] = useState(false);
   const [told, setTold] = useState("");
+  const nameOf = useRecordingName();
   const { tiers } = situation;
   // What is being taken back changes the order once more.
   const current = busy ? session : asking(session, situation);
@@ -73,7 +76,7 @@ export function useComparing(
   function go(next: { session: Session; tiers: Tiers }) {
     if (busy) return;
     setSession(next.session);
-    setTold(describeLast(next.session, next.tiers));
+    setTold(describeLast(next.session, next.tiers, nameOf));
     if (next.tiers !== tiers) saver.change(next.tiers);
   }
 
@@ -96,7 +99,7 @@ export function useComparing(
     nSkipped: [...skippedIn(session)].filter((id) => !isRanked(id)).length,
     canUndo: session.steps.length > 0,
     busy,
-    spoken: [told, question ? describeQuestion(question) : ""].filter(Boolean).join(" "),
+    spoken: [told, question ? describeQuestion(question, nameOf) : ""].filter(Boolean).join(" "),
     answer: (verdict) => go(answer(session, situation, verdict)),
     skip: () => go(skip(session, situation)),
     putBelow: (which) => go(putBelow(session, situation, which)),
@@ -112,7 +115,7 @@ async function takeBack(saver: RankingSaver, ids: readonly number[], order: Tier
   saver.change(ids.reduce((now, id) => place(now, id, { kind: "tray" }), tiers));
 }
 
-function describeLast({ steps }: Session, tiers: Tiers): string {
+function describeLast({ steps }: Session, tiers: Tiers, nameOf: NameOf): string {
   const last = steps.at(-1);
   const [id] = last?.ids ?? [];
   if (!last || id === undefined) return "";
@@ -123,10 +126,10 @@ function describeLast({ steps }: Session, tiers: Tiers): string {
       other: "# recordings put below the worst.",
     });
   }
-  if (last.order) return `${recordingName({ id })}: ${describePosition(tiers, id)}.`;
-  return last.answer ? "" : t`${recordingName({ id })} stays unranked.`;
+  if (last.order) return `${nameOf(id)}: ${describePosition(tiers, id)}.`;
+  return last.answer ? "" : t`${nameOf(id)} stays unranked.`;
 }
 
-function describeQuestion({ id, opponent, tier }: Question): string {
-  return t`Which is better: ${recordingName({ id })}, or ${recordingName({ id: opponent })} of tier ${tier + 1}?`;
+function describeQuestion({ id, opponent, tier }: Question, nameOf: NameOf): string {
+  return t`Which is better: ${nameOf(id)}, or ${nameOf(opponent)} of tier ${tier + 1}?`;
 }

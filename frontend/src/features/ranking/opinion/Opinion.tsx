@@ -5,7 +5,7 @@ import type { GameOpinion } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Icon } from "@/components/controls/Icon";
 import { listed } from "@/lib/format";
-import { recordingName } from "@/lib/recordings";
+import { useRecordingName } from "@/lib/recording-names";
 
 import styles from "./Opinion.module.css";
 
@@ -24,8 +24,9 @@ interface OpinionProps {
 /** Where the other games suggest that a game belongs, how surely, and whether that contradicts. */
 export function Opinion({ opinion, tier, kept, current, onMove, onKeep }: OpinionProps) {
   const { place, best_place: best, worst_place: worst, contradicted_by: against } = opinion;
-  const name = recordingName({ id: opinion.recording_id });
-  const others = against.map((id) => recordingName({ id }));
+  const nameOf = useRecordingName();
+  const name = nameOf(opinion.recording_id);
+  const others = against.map((id) => nameOf(id));
   return (
     <div className={styles.opinion}>
       <p className={styles.place}>

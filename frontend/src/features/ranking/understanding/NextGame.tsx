@@ -6,7 +6,7 @@ import { messageOf } from "@/api/client";
 import { Button } from "@/components/controls/Button";
 import type { Tiers } from "@/features/ranking/order/order";
 import { percent, percentDone } from "@/lib/format";
-import { recordingName } from "@/lib/recordings";
+import { useRecordingName } from "@/lib/recording-names";
 
 import { Progress } from "./Progress";
 import styles from "./UnderstandingPanel.module.css";
@@ -21,6 +21,7 @@ interface NextGameProps {
 
 /** Names the unranked game whose place says most of which statement is meant. */
 export function NextGame({ behaviourId, tiers, onRank }: NextGameProps) {
+  const nameOf = useRecordingName();
   const { data, error } = useQuery(nextGameQuery(behaviourId, tiers));
   if (error !== null && !data) return <p>{t`It could not be worked out: ${messageOf(error)}`}</p>;
   if (!data) return <p>{t`Working it out…`}</p>;
@@ -40,7 +41,7 @@ export function NextGame({ behaviourId, tiers, onRank }: NextGameProps) {
         </Trans>
       </p>
     );
-  const name = recordingName({ id: next.recording_id });
+  const name = nameOf(next.recording_id);
   const [byFirst, byOther] = [percent(next.better_than, 0), percent(next.better_than_by_other, 0)];
   return (
     <div className={styles.next}>

@@ -8,7 +8,7 @@ import { Button } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
 import { Failed, Loading } from "@/components/feedback/States";
 import { classes } from "@/lib/classes";
-import { recordingName } from "@/lib/recordings";
+import { useRecordingName } from "@/lib/recording-names";
 
 import styles from "./PointDialog.module.css";
 import { Sight } from "./Sight";
@@ -55,6 +55,7 @@ function Pointing({ behaviourId, recordingIds, named, onMean }: PointingProps) {
   const [recordingId, setRecordingId] = useState(recordingIds[0] ?? 0);
   const [pointed, setPointed] = useState<number | null>(null);
   const [chosen, setChosen] = useState<number | null>(null);
+  const nameOf = useRecordingName();
   const thing = named.things.find(({ kind }) => kind === chosen);
   return (
     <div className={styles.pointing}>
@@ -67,7 +68,7 @@ function Pointing({ behaviourId, recordingIds, named, onMean }: PointingProps) {
           >
             {recordingIds.map((id) => (
               <option key={id} value={id}>
-                {recordingName({ id })}
+                {nameOf(id)}
               </option>
             ))}
           </select>

@@ -12,7 +12,7 @@ import { useAnswering } from "@/components/statements/use-answering";
 import type { Tiers } from "@/features/ranking/order/order";
 import { useGame } from "@/games/game";
 import { percentDone } from "@/lib/format";
-import { recordingName } from "@/lib/recordings";
+import { useRecordingName } from "@/lib/recording-names";
 
 import { NextGame } from "./NextGame";
 import { PointDialog } from "./PointDialog";
@@ -188,9 +188,10 @@ function Situation({ told, error }: { told: Understanding | undefined; error: un
 
 /** Warns of an order that may be chance, and names the games that contradict it most. */
 function Doubt({ told: { is_sense: isSense, contradiction } }: { told: Understanding }) {
+  const nameOf = useRecordingName();
   if (isSense === null || (isSense && !contradiction)) return null;
-  const better = contradiction && recordingName({ id: contradiction.better });
-  const worse = contradiction && recordingName({ id: contradiction.worse });
+  const better = contradiction && nameOf(contradiction.better);
+  const worse = contradiction && nameOf(contradiction.worse);
   return (
     <div className={styles.doubt}>
       <Icon name="alert" />

@@ -56,6 +56,7 @@ export function FilterBar({
     <Filters
       label={t`Filters`}
       role="group"
+      folds
       onClear={
         isNarrow(filter) ? () => onChange({ ...EVERYTHING, order: filter.order }) : undefined
       }

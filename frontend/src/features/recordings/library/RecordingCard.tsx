@@ -38,7 +38,7 @@ export const ShownRecording = memo(function ShownRecording(props: ShownRecording
   const { recordingId, behaviour } = props;
   const { data, error, refetch } = useQuery(shownQuery(behaviour.id, recordingId));
   if (data) return <RecordingCard {...props} recording={data} />;
-  const name = recordingName({ id: recordingId });
+  const name = recordingName(undefined);
   return (
     <div
       role="group"

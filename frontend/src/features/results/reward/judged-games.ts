@@ -3,7 +3,7 @@
 import { t } from "@lingui/core/macro";
 
 import type { JudgedGames } from "@/api/types";
-import { recordingName } from "@/lib/recordings";
+import { actorNames } from "@/lib/actors";
 
 import { write } from "./measure";
 import type { ScatterPoint } from "./ScatterPlot";
@@ -22,7 +22,7 @@ export function marksOf(groups: readonly JudgedGames[]): readonly ScatterPoint[]
       actor: player,
       hollow: !demonstrated,
       title:
-        t`${recordingName({ id: game.recording_id })}, worth ${game.true_quantity}: ` +
+        t`${actorNames()[player]}, worth ${game.true_quantity}: ` +
         write(measure, game.predicted),
     }));
   });

@@ -6,7 +6,7 @@ import { judge, openPairs } from "@/features/ranking/order/branch-pairs";
 import { recording } from "../../../support/data";
 
 const BEFORE = recording({ id: 5 });
-const AFTER = recording({ id: 6, parent: { recording_id: 5, frame: 300 } });
+const AFTER = recording({ id: 6, parent: { recording_id: 5, number: 5, frame: 300 } });
 const BY_ID = new Map([BEFORE, AFTER, recording({ id: 1 })].map((one) => [one.id, one]));
 const PAIR = { before: BEFORE, after: AFTER, frame: 300 };
 
@@ -23,7 +23,7 @@ describe("pairs to compare", () => {
   });
 
   it("come newest first", () => {
-    const newer = recording({ id: 9, parent: { recording_id: 6, frame: 40 } });
+    const newer = recording({ id: 9, parent: { recording_id: 6, number: 6, frame: 40 } });
     const found = openPairs([], [9, 6, 5], new Map([...BY_ID, [9, newer]]));
     expect(found.map(({ after }) => after.id)).toEqual([9, 6]);
   });

@@ -5,6 +5,8 @@ import { describe, expect, it, vi } from "vitest";
 import type { NamedThings } from "@/api/types";
 import { PointDialog } from "@/features/ranking/understanding/PointDialog";
 
+import { KnownRecordings } from "@/lib/recording-names";
+
 import { recording } from "../../../support/data";
 import { framesFile } from "../../../support/frames";
 import { show } from "../../../support/page";
@@ -37,7 +39,12 @@ function open(named: () => unknown = () => NAMED) {
     "GET /api/recordings/7/frames": () => framesFile(60),
     "GET /api/recordings/9/frames": () => framesFile(60),
   });
-  show(<PointDialog behaviourId={1} recordingIds={[7, 9]} onMean={onMean} onClose={vi.fn()} />);
+  const known = new Map([7, 9].map((id) => [id, recording({ id })]));
+  show(
+    <KnownRecordings value={known}>
+      <PointDialog behaviourId={1} recordingIds={[7, 9]} onMean={onMean} onClose={vi.fn()} />
+    </KnownRecordings>,
+  );
   return { asked, onMean };
 }
 

@@ -7,7 +7,9 @@ import type { StatementAnswer, Understanding } from "@/api/types";
 import { UnderstandingPanel } from "@/features/ranking/understanding/UnderstandingPanel";
 import { isReadByStatements } from "@/features/ranking/understanding/use-understanding";
 
-import { behaviour, statement as told } from "../../../support/data";
+import { KnownRecordings } from "@/lib/recording-names";
+
+import { behaviour, recording, statement as told } from "../../../support/data";
 import { show } from "../../../support/page";
 import { type Asked, Refusal, serve } from "../../../support/server";
 
@@ -54,7 +56,12 @@ function server(said: () => Partial<Understanding>) {
 
 function open(said: () => Partial<Understanding> = () => ({}), tiers = [[1], [2]]) {
   const asked = server(said);
-  const page = show(<UnderstandingPanel behaviourId={1} tiers={tiers} perfect={[1]} />);
+  const known = new Map([7, 9].map((id) => [id, recording({ id })]));
+  const page = show(
+    <KnownRecordings value={known}>
+      <UnderstandingPanel behaviourId={1} tiers={tiers} perfect={[1]} />
+    </KnownRecordings>,
+  );
   return { asked, ...page };
 }
 
@@ -207,7 +214,11 @@ describe("the game that would tell", () => {
           ? { ...READY, ...states[Math.min(n++, states.length - 1)] }
           : READY,
     });
-    show(<UnderstandingPanel behaviourId={1} tiers={[[1], [2]]} perfect={[]} onRank={onRank} />);
+    show(
+      <KnownRecordings value={new Map([[9, recording({ id: 9 })]])}>
+        <UnderstandingPanel behaviourId={1} tiers={[[1], [2]]} perfect={[]} onRank={onRank} />
+      </KnownRecordings>,
+    );
     return asked;
   }
 
