@@ -185,7 +185,8 @@ function entriesOf(columns: LibraryColumns, ranked: ReadonlySet<number>): Librar
       source: of(columns.source),
       player: of(columns.player),
       run_id: of(columns.run_id),
-      parent: parent === null || frame === null ? null : { recording_id: parent, number: null, frame },
+      parent:
+        parent === null || frame === null ? null : { recording_id: parent, number: null, frame },
       state: of(columns.state),
       verification: of(columns.verification),
       n_frames: of(columns.n_frames),

@@ -14,6 +14,12 @@ const PICTURE_PX = 58;
 export function GameMark({ target }: Pick<Behaviour, "target">) {
   const game = useGame();
   if (game.items && target) return <ItemGrid target={target} label="" />;
+  return <Picture />;
+}
+
+/** A picture of the game. Decorative. */
+function Picture() {
+  const game = useGame();
   return (
     <img
       className={styles.picture}
@@ -26,13 +32,16 @@ export function GameMark({ target }: Pick<Behaviour, "target">) {
   );
 }
 
-/** The same where the page is of no game. */
+/** A picture of a behaviour's game and its targets, where the page is of no game. */
 export function BehaviourMark({ behaviour }: { behaviour: Behaviour }) {
   const { data: game } = useQuery(gameQuery(behaviour.game));
   if (!game) return <span className={styles.picture} style={{ width: PICTURE_PX }} />;
   return (
     <GameProvider game={game} settings={behaviour.settings}>
-      <GameMark target={behaviour.target} />
+      <span className={styles.both}>
+        <Picture />
+        {game.items && behaviour.target && <ItemGrid target={behaviour.target} label="" />}
+      </span>
     </GameProvider>
   );
 }

@@ -48,8 +48,8 @@ export function PeoplePage() {
           </h2>
           <p className={styles.hint}>
             <Trans>
-              A change takes effect within seconds. Anyone who becomes a player keeps the games played
-              so far, and sees only those of the behaviours they play.
+              A change takes effect within seconds. Anyone who becomes a player keeps the games
+              played so far, and sees only those of the behaviours they play.
             </Trans>
           </p>
           <Persons />
@@ -72,8 +72,8 @@ export function PeoplePage() {
           </h2>
           <p className={styles.hint}>
             <Trans>
-              A script sends its key as <code>Authorization: Bearer</code>. What it does is logged as
-              yours.
+              A script sends its key as <code>Authorization: Bearer</code>. What it does is logged
+              as yours.
             </Trans>
           </p>
           <Keys />

@@ -16,9 +16,7 @@ export function roleName(role: Player["role"]): string {
 }
 
 /** Says what somebody did, with what it was done to; an unknown action as it is stored. */
-export function actionOf(
-  entry: Pick<AuditEntry, "action" | "subject" | "details">,
-): string {
+export function actionOf(entry: Pick<AuditEntry, "action" | "subject" | "details">): string {
   const subject = subjectOf(entry.subject, entry.details.number);
   const said: Record<AuditEntry["action"], string> = {
     "signed in": t`signed in (${subject})`,

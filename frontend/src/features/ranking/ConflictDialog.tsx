@@ -66,9 +66,7 @@ function Order({ tiers, moved }: { tiers: Tiers; moved: ReadonlySet<number> }) {
             {tier.map((id, place) => (
               <span key={id}>
                 {place > 0 && " = "}
-                <span className={moved.has(id) ? styles.moved : undefined}>
-                  {nameOf(id)}
-                </span>
+                <span className={moved.has(id) ? styles.moved : undefined}>{nameOf(id)}</span>
               </span>
             ))}
           </span>

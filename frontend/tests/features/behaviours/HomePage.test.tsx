@@ -5,6 +5,7 @@ import { describe, expect, it } from "vitest";
 import { HomePage } from "@/features/behaviours/HomePage";
 
 import { behaviour, recipe, run, system } from "../../support/data";
+import { SPACE_INVADERS } from "../../support/games";
 import { show } from "../../support/page";
 import { Refusal, serve } from "../../support/server";
 
@@ -51,6 +52,21 @@ describe("the first page", () => {
       device: "any",
       steps: 300_000,
     });
+  });
+
+  it("shows a picture of the game on the card of a behaviour with targets, too", async () => {
+    serve({
+      ...OWNER,
+      "GET /api/behaviours": () => [behaviour({ n_recordings: 1, target: [[0, 0]] })],
+      "GET /api/runs": () => [],
+      "GET /api/catalogue/games/space_invaders": () => SPACE_INVADERS,
+    });
+    show(<HomePage />);
+    const card = await screen.findByRole("article");
+    await waitFor(() =>
+      expect(card.querySelector("img")).toHaveAttribute("src", SPACE_INVADERS.picture_url),
+    );
+    expect(card.querySelector("svg")).not.toBeNull();
   });
 
   it("lists the behaviours that people made before those that ship with Tril", async () => {

@@ -122,8 +122,18 @@ function open(one = behaviour()) {
     }),
     "GET /api/behaviours/1/checklist": () => ({
       planned: [
-        { number: 1, description: "2 of 2 target aliens, no other", recording_id: 5, recording_number: 1 },
-        { number: 2, description: "1 of 2 target aliens, no other", recording_id: null, recording_number: null },
+        {
+          number: 1,
+          description: "2 of 2 target aliens, no other",
+          recording_id: 5,
+          recording_number: 1,
+        },
+        {
+          number: 2,
+          description: "1 of 2 target aliens, no other",
+          recording_id: null,
+          recording_number: null,
+        },
         { number: 3, description: "No alien is hit", recording_id: null, recording_number: null },
       ],
       note: "",

@@ -46,7 +46,13 @@ function rankingServer(
     return standing;
   };
   const varied = [
-    recording({ id: 11, number: 2, behaviour_id: 2, behaviour_name: "Column 2", borrowed: true, targets: 0 }),
+    recording({
+      id: 11,
+      behaviour_id: 2,
+      behaviour_name: "Column 2",
+      borrowed: true,
+      targets: 0,
+    }),
     recording({ id: 12, source: "varied", player: null, targets: 0 }),
     recording({ id: 13, source: "varied", player: null, targets: 6 }),
   ];
@@ -233,7 +239,7 @@ describe("a game that was rewound", () => {
     const server = await open({ tiers: [[1], [3], [2]] });
     const pair = within(screen.getByRole("region", { name: "Pairs to compare" }));
     expect(pair.getByText("Recording 4 branches off Recording 3 at 5.0 s.")).toBeVisible();
-    await userEvent.click(pair.getByRole("button", { name: "4 is better" }));
+    await userEvent.click(pair.getByRole("button", { name: "Recording 4 is better" }));
     expect(board()).toEqual([["1"], ["4"], ["3"], ["2"]]);
     expect(screen.queryByRole("region", { name: "Pairs to compare" })).toBeNull();
     await waitFor(() => expect(server.now().tiers).toEqual([[1], [4], [3], [2]]));
@@ -435,7 +441,9 @@ describe("varied games", () => {
     await press("Add varied games");
     const done = "3 varied games added, 2 of them selected: those that hit no target.";
     expect((await screen.findAllByText(done))[0]).toBeInTheDocument();
-    const borrowed = within(await screen.findByRole("article", { name: "Recording 2 of Column 2" }));
+    const borrowed = within(
+      await screen.findByRole("article", { name: "Recording 11 of Column 2" }),
+    );
     expect(borrowed.getByText("from Column 2")).toBeVisible();
     expect(borrowed.queryByRole("button", { name: /perfect/ })).toBeNull();
     const varied = within(await screen.findByRole("article", { name: "Recording 12" }));
@@ -458,10 +466,14 @@ describe("varied games", () => {
     await press("Select none");
     expect(screen.queryByText(/recordings selected/)).toBeNull();
     await press("Select all varied (3)");
-    expect(await screen.findByRole("checkbox", { name: "Select Recording 2 of Column 2" })).toBeChecked();
+    expect(
+      await screen.findByRole("checkbox", { name: "Select Recording 11 of Column 2" }),
+    ).toBeChecked();
     expect(screen.getByRole("checkbox", { name: "Select Recording 3" })).not.toBeChecked();
-    await press("Give back: Recording 2 of Column 2");
-    await waitFor(() => expect(screen.queryByRole("article", { name: "Recording 2 of Column 2" })).toBeNull());
+    await press("Give back: Recording 11 of Column 2");
+    await waitFor(() =>
+      expect(screen.queryByRole("article", { name: "Recording 11 of Column 2" })).toBeNull(),
+    );
     expect(screen.getByText("2 recordings selected")).toBeVisible();
   });
 
@@ -472,7 +484,9 @@ describe("varied games", () => {
     const card = within(screen.getByRole("article", { name: "Recording 14 of Run 3f2a9c" }));
     expect(card.getByText("from Run 3f2a9c")).toBeVisible();
     expect(card.queryByRole("button", { name: /perfect/ })).toBeNull();
-    expect(card.getByRole("button", { name: "Give back: Recording 14 of Run 3f2a9c" })).toBeVisible();
+    expect(
+      card.getByRole("button", { name: "Give back: Recording 14 of Run 3f2a9c" }),
+    ).toBeVisible();
     expect(screen.queryByRole("button", { name: /Select all varied/ })).toBeNull();
   });
 

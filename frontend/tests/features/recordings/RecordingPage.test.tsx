@@ -170,7 +170,13 @@ describe("the page of a recording", () => {
   });
 
   it("leads to what it goes on from and to what goes on from it", async () => {
-    page({}, { parent: { recording_id: 7, number: 2, frame: 90 }, branches: [{ recording_id: 9, number: 4, frame: 3 }] });
+    page(
+      {},
+      {
+        parent: { recording_id: 7, number: 2, frame: 90 },
+        branches: [{ recording_id: 9, number: 4, frame: 3 }],
+      },
+    );
     expect(await screen.findByRole("link", { name: "recording 2, frame 90" })).toHaveAttribute(
       "href",
       "/recordings/7?frame=90",

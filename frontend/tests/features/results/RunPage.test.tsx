@@ -558,7 +558,7 @@ describe("the results", () => {
       .getAllByRole("row")
       .slice(1)
       .map((row) => row.textContent);
-    expect(rows).toEqual(["1Recording 12scripted5.000.91", "2Recording 11Ada7.000.42"]);
+    expect(rows).toEqual(["1Recording 12scripted0.91", "2Recording 11Ada0.42"]);
   });
 
   it("set what the reward predicts against what games were worth", async () => {
@@ -589,7 +589,7 @@ describe("the results", () => {
       "#extrapolation",
     );
     const plot = await screen.findByRole("img", { name: /Final level by targets hit/ });
-    expect(plot).toHaveTextContent("Recording 22, worth 5: 0.80");
+    expect(plot).toHaveTextContent("Imitator, worth 5: 0.80");
     const table = screen.getByRole("table", {
       name: "Predicted and actual worth of games",
     });

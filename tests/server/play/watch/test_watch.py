@@ -125,9 +125,10 @@ def test_a_watched_game_is_the_one_of_the_evaluation(
         assert decided == {at: executed[at] for at in range(first, len(executed), 4)}
     assert expected.rewards is not None
     assert len(page.of("reward")) > 2
+    levels = scene.reward_model().level(expected.rewards)
     for one in page.of("reward"):
-        own = expected.rewards[(one["frame"] - first) // 4]
-        assert one["reward"] == pytest.approx(own, rel=1e-3, abs=1e-4)
+        own = levels[(one["frame"] - first) // 4]
+        assert one["level"] == pytest.approx(own, rel=1e-3, abs=1e-4)
     assert all(
         sum(one["probabilities"]) == pytest.approx(1, abs=1e-3) for one in page.of("decision")
     )

@@ -103,9 +103,7 @@ function Legend({ target, ghost }: Marks) {
           <span>
             <Trans>
               the player at this moment of the best demonstration,{" "}
-              <Link to={`/recordings/${ghost.recording_id}`}>
-                {numberedName(ghost.number)}
-              </Link>
+              <Link to={`/recordings/${ghost.recording_id}`}>{numberedName(ghost.number)}</Link>
             </Trans>
           </span>
         </li>

@@ -22,5 +22,7 @@ export function ScreenImage({ src, alt, size: { reduced, ...size } }: ImageProps
 
 /** A map of the screen, as large as the screenshot, so that each place is at the same place. */
 export function MapImage({ src, alt, size: { width, height } }: ImageProps) {
-  return <img className={styles.canvas} src={src} alt={alt} style={{ width, height }} loading="lazy" />;
+  return (
+    <img className={styles.canvas} src={src} alt={alt} style={{ width, height }} loading="lazy" />
+  );
 }

@@ -124,13 +124,7 @@ function Confused({ check }: { check: RankingCheck }) {
 
 type Known = ReadonlyMap<number, Recording>;
 
-function ConfusedList({
-  confused,
-  known,
-}: {
-  confused: RankingCheck["confused"];
-  known: Known;
-}) {
+function ConfusedList({ confused, known }: { confused: RankingCheck["confused"]; known: Known }) {
   return (
     <ul>
       {confused.map((tiers) => (

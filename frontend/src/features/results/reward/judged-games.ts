@@ -22,8 +22,7 @@ export function marksOf(groups: readonly JudgedGames[]): readonly ScatterPoint[]
       actor: player,
       hollow: !demonstrated,
       title:
-        t`${actorNames()[player]}, worth ${game.true_quantity}: ` +
-        write(measure, game.predicted),
+        t`${actorNames()[player]}, worth ${game.true_quantity}: ` + write(measure, game.predicted),
     }));
   });
 }
