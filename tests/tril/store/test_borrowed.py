@@ -61,7 +61,9 @@ def test_only_borrowed_games_of_others_can_be_ranked(
     workplace: Workplace, others: list[int]
 ) -> None:
     best, *_ = workplace.ranked
-    with pytest.raises(Invalid, match=f"{others[0]} is of another behaviour and not borrowed"):
+    with pytest.raises(
+        Invalid, match="recording 1 of Column 2 is of another behaviour and not borrowed"
+    ):
         rank(workplace, [[best], [others[0]]])
     borrow(workplace, others[:2])
     rank(workplace, [[best], [others[0]]])
@@ -187,7 +189,9 @@ def test_a_policys_game_is_ranked_once_it_is_borrowed_by_its_own_behaviour_or_an
 ) -> None:
     best, *_ = workplace.ranked
     first, second = by_policy
-    with pytest.raises(Invalid, match=f"{first} belongs to a training and is not borrowed"):
+    with pytest.raises(
+        Invalid, match=r"recording 1 of run \w+ belongs to a training and is not borrowed"
+    ):
         rank(workplace, [[best], [first]])
     borrow(workplace, [first])
     rank(workplace, [[first], [best]])

@@ -28,7 +28,7 @@ export function PeoplePage() {
       <h1>
         <Trans>People</Trans>
       </h1>
-      <div className={styles.page}>
+      <div className={styles.columns}>
         <section className={styles.section} aria-labelledby="invitations">
           <h2 id="invitations">
             <Trans>Invitations</Trans>
@@ -78,13 +78,13 @@ export function PeoplePage() {
           </p>
           <Keys />
         </section>
-        <section className={styles.section} aria-labelledby="log">
-          <h2 id="log">
-            <Trans>Log</Trans>
-          </h2>
-          <Log />
-        </section>
       </div>
+      <section className={styles.section} aria-labelledby="log">
+        <h2 id="log">
+          <Trans>Log</Trans>
+        </h2>
+        <Log />
+      </section>
     </>
   );
 }

@@ -233,14 +233,14 @@ describe("the page of a recording", () => {
 
     it("plots the reward of the newest finished one, in step with the picture", async () => {
       page({}, {}, "/?step=3", runs);
-      expect(await curve()).toHaveAttribute("aria-valuetext", "step 3, level 0.50 ± 0.08");
+      expect(await curve()).toHaveAttribute("aria-valuetext", "step 3, R 0.50 ± 0.08");
       (await curve()).focus();
       await userEvent.keyboard("{Shift>}{ArrowRight}{/Shift}");
       expect((await position()).valueAsNumber).toBe(16);
       expect(screen.getByText("R 0.67 ± 0.08 at step 4")).toBeVisible();
       expect(screen.getByText(/Band: ± one standard deviation/)).toBeVisible();
       await userEvent.keyboard("{Home}");
-      expect(await curve()).toHaveAttribute("aria-valuetext", "step 0, level 0.00 ± 0.08");
+      expect(await curve()).toHaveAttribute("aria-valuetext", "step 0, R 0.00 ± 0.08");
     });
 
     it("moves the picture when the curve is dragged", async () => {
@@ -263,13 +263,13 @@ describe("the page of a recording", () => {
 
     it("chooses another one from the menu, and from the address", async () => {
       page({}, {}, `/?step=3&run=${OLDER}`, runs);
-      expect(await curve()).toHaveAttribute("aria-valuetext", "step 3, level −0.50");
+      expect(await curve()).toHaveAttribute("aria-valuetext", "step 3, R −0.50");
       expect(screen.queryByText(/standard deviation/)).toBeNull();
       const menu = screen.getByRole("combobox", { name: "Reward model of" });
       expect(within(menu).getAllByRole("option")).toHaveLength(2);
       await userEvent.selectOptions(menu, NEWEST);
       await waitFor(async () =>
-        expect(await curve()).toHaveAttribute("aria-valuetext", "step 3, level 0.50 ± 0.08"),
+        expect(await curve()).toHaveAttribute("aria-valuetext", "step 3, R 0.50 ± 0.08"),
       );
     });
 
