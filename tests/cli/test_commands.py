@@ -261,7 +261,7 @@ def test_a_run_is_written_as_a_page_and_all_behaviours_as_a_gallery(
     assert 'href="column-1.html"' in index
     assert index.count("data:image/png;base64,") == 1
     assert (folder / "column-1.html").read_bytes() == file.read_bytes()
-    assert _run("audit").count(f"exported run {run_id}") == 3
+    assert _run("audit").count(f"exported run {run_id}") == 4
     with workplace.database.writing() as session:
         behaviours.get(session, workplace.behaviour_id).game = "gym:gone-v0"
     told = " ".join(_run("gallery", str(folder), status=1).split())

@@ -4,7 +4,7 @@ import { Trans } from "@lingui/react/macro";
 import { Button } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
 import { movedBetween, type Tiers } from "@/features/ranking/order/order";
-import { useRecordingName } from "@/lib/recording-names";
+import { useRecordingName } from "@/features/ranking/recording-names";
 
 import styles from "./ConflictDialog.module.css";
 

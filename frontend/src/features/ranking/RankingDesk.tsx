@@ -34,7 +34,7 @@ import { UnderstandingPanel } from "@/features/ranking/understanding/Understandi
 import { isReadByStatements } from "@/features/ranking/understanding/use-understanding";
 import { useMedia } from "@/lib/browser/use-media";
 import { classes } from "@/lib/classes";
-import { KnownRecordings } from "@/lib/recording-names";
+import { KnownRecordings } from "@/features/ranking/recording-names";
 import { recordingName, whyUnrankable } from "@/lib/recordings";
 import { selectedBy } from "@/lib/selection";
 

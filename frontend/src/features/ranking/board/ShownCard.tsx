@@ -13,7 +13,7 @@ import { shownQuery } from "@/api/library";
 import type { Behaviour, Recording } from "@/api/types";
 import { Failed } from "@/components/feedback/States";
 import { isTied, tierOf, type Tiers } from "@/features/ranking/order/order";
-import { useRecordingName } from "@/lib/recording-names";
+import { useRecordingName } from "@/features/ranking/recording-names";
 
 import { useDragged } from "./DragBoard";
 import { CardBody, type Move, RankCard } from "./RankCard";

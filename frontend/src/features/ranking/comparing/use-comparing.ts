@@ -5,7 +5,7 @@ import { describePosition } from "@/features/ranking/board/places";
 import { place, sameOrder, tierOf, type Tiers } from "@/features/ranking/order/order";
 import type { RankingSaver } from "@/features/ranking/order/saver";
 import { dropDraft, readDraft, writeDraft } from "@/lib/browser/drafts";
-import { useRecordingName } from "@/lib/recording-names";
+import { useRecordingName } from "@/features/ranking/recording-names";
 
 import type { Verdict } from "./search";
 import {

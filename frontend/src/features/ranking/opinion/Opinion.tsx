@@ -5,7 +5,7 @@ import type { GameOpinion } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Icon } from "@/components/controls/Icon";
 import { listed } from "@/lib/format";
-import { useRecordingName } from "@/lib/recording-names";
+import { useRecordingName } from "@/features/ranking/recording-names";
 
 import styles from "./Opinion.module.css";
 

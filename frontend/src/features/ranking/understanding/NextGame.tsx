@@ -6,7 +6,7 @@ import { messageOf } from "@/api/client";
 import { Button } from "@/components/controls/Button";
 import type { Tiers } from "@/features/ranking/order/order";
 import { percent, percentDone } from "@/lib/format";
-import { useRecordingName } from "@/lib/recording-names";
+import { useRecordingName } from "@/features/ranking/recording-names";
 
 import { Progress } from "./Progress";
 import styles from "./UnderstandingPanel.module.css";

@@ -8,7 +8,7 @@ import { Button } from "@/components/controls/Button";
 import { Dialog } from "@/components/controls/Dialog";
 import { Failed, Loading } from "@/components/feedback/States";
 import { classes } from "@/lib/classes";
-import { useRecordingName } from "@/lib/recording-names";
+import { useRecordingName } from "@/features/ranking/recording-names";
 
 import styles from "./PointDialog.module.css";
 import { Sight } from "./Sight";

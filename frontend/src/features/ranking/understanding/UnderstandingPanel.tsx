@@ -12,7 +12,7 @@ import { useAnswering } from "@/components/statements/use-answering";
 import type { Tiers } from "@/features/ranking/order/order";
 import { useGame } from "@/games/game";
 import { percentDone } from "@/lib/format";
-import { useRecordingName } from "@/lib/recording-names";
+import { useRecordingName } from "@/features/ranking/recording-names";
 
 import { NextGame } from "./NextGame";
 import { PointDialog } from "./PointDialog";

@@ -23,7 +23,7 @@ const colourMaps = (): readonly { readonly id: ColourMap; readonly name: string 
   { id: "red-blue", name: t`Red-blue` },
 ];
 
-/** The most that a map and its screen take, in CSS pixels. */
+/** The most that a map and its screen take, in CSS pixels; a narrow column makes both smaller. */
 const MAP_BOX = { width: 340, height: 252 };
 
 interface AttentionProps {

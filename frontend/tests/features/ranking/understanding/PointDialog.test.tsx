@@ -5,7 +5,7 @@ import { describe, expect, it, vi } from "vitest";
 import type { NamedThings } from "@/api/types";
 import { PointDialog } from "@/features/ranking/understanding/PointDialog";
 
-import { KnownRecordings } from "@/lib/recording-names";
+import { KnownRecordings } from "@/features/ranking/recording-names";
 
 import { recording } from "../../../support/data";
 import { framesFile } from "../../../support/frames";

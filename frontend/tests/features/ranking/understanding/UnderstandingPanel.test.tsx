@@ -7,7 +7,7 @@ import type { StatementAnswer, Understanding } from "@/api/types";
 import { UnderstandingPanel } from "@/features/ranking/understanding/UnderstandingPanel";
 import { isReadByStatements } from "@/features/ranking/understanding/use-understanding";
 
-import { KnownRecordings } from "@/lib/recording-names";
+import { KnownRecordings } from "@/features/ranking/recording-names";
 
 import { behaviour, recording, statement as told } from "../../../support/data";
 import { show } from "../../../support/page";
