@@ -32,15 +32,21 @@ function Picture() {
   );
 }
 
-/** A picture of a behaviour's game and its targets, where the page is of no game. */
-export function BehaviourMark({ behaviour }: { behaviour: Behaviour }) {
+/** The same where the page is of no game; beside other games its picture goes with the targets. */
+export function BehaviourMark({
+  behaviour,
+  besideOthers,
+}: {
+  behaviour: Behaviour;
+  besideOthers: boolean;
+}) {
   const { data: game } = useQuery(gameQuery(behaviour.game));
   if (!game) return <span className={styles.picture} style={{ width: PICTURE_PX }} />;
   return (
     <GameProvider game={game} settings={behaviour.settings}>
       <span className={styles.both}>
-        <Picture />
-        {game.items && behaviour.target && <ItemGrid target={behaviour.target} label="" />}
+        {besideOthers && game.items && behaviour.target && <Picture />}
+        <GameMark target={behaviour.target} />
       </span>
     </GameProvider>
   );

@@ -80,6 +80,7 @@ export function HomePage() {
               game={
                 isOneGame ? undefined : games?.find(({ name }) => name === behaviour.game)?.title
               }
+              besideOthers={!isOneGame}
               latest={worthShowing(runs.data?.filter((run) => run.behaviour_id === behaviour.id))}
             />
           </li>
@@ -197,17 +198,20 @@ function Card({
   behaviour,
   level: Heading,
   game,
+  besideOthers,
   latest,
 }: {
   behaviour: Behaviour;
   level: "h2" | "h3";
   /** The title of its game, where there are several. */
   game: string | undefined;
+  /** Whether there are behaviours of other games. */
+  besideOthers: boolean;
   latest: Run | undefined;
 }) {
   return (
     <article className={styles.card}>
-      <BehaviourMark behaviour={behaviour} />
+      <BehaviourMark behaviour={behaviour} besideOthers={besideOthers} />
       <div className={styles.words}>
         <Heading className={styles.heading}>
           <Link className={styles.link} to={`/behaviours/${behaviour.id}`}>

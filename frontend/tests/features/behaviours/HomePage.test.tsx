@@ -54,19 +54,23 @@ describe("the first page", () => {
     });
   });
 
-  it("shows a picture of the game on the card of a behaviour with targets, too", async () => {
+  it("shows a picture of the game beside other games, with the targets, too", async () => {
     serve({
       ...OWNER,
-      "GET /api/behaviours": () => [behaviour({ n_recordings: 1, target: [[0, 0]] })],
+      "GET /api/behaviours": () => [
+        behaviour({ n_recordings: 1, target: [[0, 0]] }),
+        behaviour({ id: 2, name: "Stay up", game: "pong", target: null }),
+      ],
       "GET /api/runs": () => [],
       "GET /api/catalogue/games/space_invaders": () => SPACE_INVADERS,
+      "GET /api/catalogue/games/pong": () => ({ ...SPACE_INVADERS, name: "pong", items: null }),
     });
     show(<HomePage />);
-    const card = await screen.findByRole("article");
+    const [card] = await screen.findAllByRole("article");
     await waitFor(() =>
-      expect(card.querySelector("img")).toHaveAttribute("src", SPACE_INVADERS.picture_url),
+      expect(card?.querySelector("img")).toHaveAttribute("src", SPACE_INVADERS.picture_url),
     );
-    expect(card.querySelector("svg")).not.toBeNull();
+    expect(card?.querySelector("svg")).not.toBeNull();
   });
 
   it("lists the behaviours that people made before those that ship with Tril", async () => {
@@ -152,7 +156,7 @@ describe("the first page", () => {
       ],
     });
     show(<HomePage />);
-    const card = await screen.findByRole("article");
+    const [card] = await screen.findAllByRole("article");
     expect(within(card).getByText("12 recordings, 12 ranked, 3 starred, 1 run")).toBeVisible();
     expect(await within(card).findByText("Imitator hits 1.7 of 2 (1.3 to 2.0)")).toBeVisible();
     expect(screen.queryByRole("link", { name: "Play your first game" })).toBeNull();
@@ -169,7 +173,7 @@ describe("the first page", () => {
       ],
     });
     show(<HomePage />);
-    const card = await screen.findByRole("article");
+    const [card] = await screen.findAllByRole("article");
     expect(await within(card).findByText(/^Imitator hits 1\.7 of 2/)).toBeVisible();
   });
 
