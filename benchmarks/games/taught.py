@@ -23,11 +23,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from PIL import Image
 from playwright.sync_api import Page, TimeoutError, ViewportSize, expect, sync_playwright
 
 from testsupport.browser import launch_chromium
+from testsupport.page_actions import Steering, Visitor
 from testsupport.processes import TrilProcess, whole_tril
 from tril.games import game_named
 
@@ -35,9 +35,6 @@ STEPS = 20_000
 GAME_S = 12
 SHARES = (1.0, 0.8, 0.6, 0.4, 0.2, 0.0)
 """For how much of a game the behaviour's keys are held, best game first."""
-HOLD_S = (0.2, 0.6)
-COUNT_CLICKS = "addEventListener('click', (event) => event.detail && countClick(), true)"
-"""A key that presses a button clicks it, too, without a detail."""
 TRAINING_LIMIT_S = 5400
 VIEW = ViewportSize(width=1280, height=800)
 
@@ -94,19 +91,13 @@ class Player:
         self.lesson = lesson
         self.game = game_named(lesson.game)
         self.pictures = pictures
-        self.rng = np.random.default_rng(0)
-        self.clicks = 0
-        page.expose_function("countClick", self._count)
-        page.add_init_script(COUNT_CLICKS)
-
-    def _count(self) -> None:
-        self.clicks += 1
+        self.visitor = Visitor(page)
 
     def teach(self) -> dict[str, Any]:
         """Go from the page of games to the end of the training; returns the line of the ledger."""
         began = time.monotonic()
         behaviour = self._create()
-        recordings = [self._play(share, share == SHARES[0]) for share in SHARES]
+        recordings = [self._play(share) for share in SHARES]
         played = time.monotonic()
         self._rank(behaviour, recordings)
         run = self._train(behaviour)
@@ -118,7 +109,7 @@ class Player:
             "rewound": self.game.saves_states,
             "play_s": round(played - began),
             "train_s": round(trained - played),
-            "clicks": self.clicks,
+            "clicks": self.visitor.clicks,
             **self._look(run),
         }
 
@@ -127,79 +118,54 @@ class Player:
         self.page.goto("/games")
         # One that is not of the emulator is opened by its name.
         self.page.goto(f"/games/{self.lesson.game}")
-        self.page.get_by_role("button", name="Teach a behaviour").click()
+        visitor = self.visitor
+        visitor.click(self.page.get_by_role("button", name="Teach a behaviour"))
         dialog = self.page.get_by_role("dialog")
-        dialog.get_by_label("Description").fill(self.lesson.description)
-        dialog.get_by_label("Name", exact=True).fill(self.lesson.name)
-        dialog.get_by_text("How it is played").click()
+        visitor.write(dialog.get_by_label("Description"), self.lesson.description)
+        visitor.write(dialog.get_by_label("Name", exact=True), self.lesson.name)
+        visitor.click(dialog.get_by_text("How it is played"))
+        seconds = dialog.get_by_label("Longest game, in seconds")
         with suppress(TimeoutError):
-            dialog.get_by_label("Longest game, in seconds").fill(str(GAME_S), timeout=2_000)
-        dialog.get_by_role("button", name="Create behaviour").click()
+            seconds.wait_for(timeout=2_000)
+            visitor.write(seconds, str(GAME_S))
+        visitor.click(dialog.get_by_role("button", name="Create behaviour"))
         self.page.wait_for_url("**/play")
         address = re.search(r"/behaviours/(\d+)/", self.page.url)
         assert address is not None
         return int(address.group(1))
 
-    def _play(self, share: float, is_first: bool) -> int:
+    def _play(self, share: float) -> int:
         """Play a game and keep it; returns its recording."""
-        if is_first:
-            self.page.get_by_role("button", name="Start game").click()
-        else:
-            self.page.get_by_role("button", name=re.compile("^Play again")).click()
-        expect(self.page.get_by_role("button", name="Pause")).to_be_visible()
-        expect(self.page.locator("strong[role=timer]")).to_be_hidden(timeout=15_000)
-        keep = self.page.get_by_role("button", name="Keep K")
-        began = time.monotonic()
-        has_rewound = not (is_first and self.game.saves_states)
-        while not keep.is_visible() and time.monotonic() - began < 2 * GAME_S:
-            self._hold(self.lesson.keys if self.rng.random() < share else self.lesson.others)
-            if not has_rewound and time.monotonic() - began > GAME_S / 3:
-                self._press("Backspace", 0.5)
-                has_rewound = True
-                self._photograph("play")
-        if is_first and not self.game.saves_states:
-            self._photograph("play")
-        while not keep.is_visible():
-            with suppress(TimeoutError):
-                self.page.get_by_role("button", name="End the game here").click(timeout=1_000)
-        keep.click()
-        kept = self.page.get_by_text(re.compile(r"Kept as recording \d+"))
-        return int(re.sub(r"\D", "", kept.inner_text()))
+        midway = None
+        if share == SHARES[0]:
+            midway = self._rewind if self.game.saves_states else self._photograph_play
+        steering = Steering(self.lesson.keys, self.lesson.others, share)
+        return self.visitor.play(steering, 2 * GAME_S, midway)
 
-    def _hold(self, keys: Sequence[str]) -> None:
-        self._press(keys[int(self.rng.integers(len(keys)))], self.rng.uniform(*HOLD_S))
+    def _rewind(self) -> None:
+        self.visitor.hold("Backspace", 0.5)
+        self._photograph_play()
 
-    def _press(self, key: str, held_s: float) -> None:
-        if key:
-            self.page.keyboard.down(key)
-        self.page.wait_for_timeout(1000 * held_s)
-        if key:
-            self.page.keyboard.up(key)
+    def _photograph_play(self) -> None:
+        self._photograph("play")
 
     def _rank(self, behaviour: int, recordings: Sequence[int]) -> None:
         """Put the games in order by the buttons of the page, best first."""
         self.page.goto(f"/behaviours/{behaviour}/rank")
-        # The worst was played last and is on top; a list shows what is in sight alone.
-        for recording in reversed(recordings):
-            name = re.compile(rf"^Rank as best: .*\b{recording}$")
-            self.page.get_by_role("button", name=name).click()
-        expect(self.page.get_by_role("status").get_by_text("Saved")).to_be_visible()
-        understood = self.page.get_by_role("region", name="What Tril understood")
-        expect(understood.get_by_role("listitem").first).to_be_visible(timeout=1_800_000)
+        self.visitor.rank(recordings)
+        self.visitor.wait_for_understanding(1_800_000)
         self._photograph("rank")
 
     def _train(self, behaviour: int) -> str:
         """Train to the end; returns the run's id."""
         self.page.goto(f"/behaviours/{behaviour}/train")
         self.page.get_by_role("radio", name=re.compile("^any")).check()
-        self.page.get_by_label("Steps", exact=True).fill(str(STEPS))
         self.page.get_by_text("More settings").click()
         self.page.get_by_label(re.compile("Go on anyway", re.IGNORECASE)).check()
-        self.page.get_by_role("button", name="Train", exact=True).click()
-        self.page.wait_for_url(re.compile("/runs/"))
+        self.visitor.clicks += 3
+        self.visitor.start_training(STEPS)
         run = self.page.url.rpartition("/")[2]
-        ended = self.page.get_by_text(re.compile("^(Done|Failed|Stopped|Cancelled)$")).first
-        expect(ended).to_be_visible(timeout=1000 * TRAINING_LIMIT_S)
+        self.visitor.wait_for_run(1000 * TRAINING_LIMIT_S)
         return run
 
     def _look(self, run: str) -> dict[str, Any]:

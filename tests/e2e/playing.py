@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import re
-from contextlib import AbstractContextManager, suppress
+from contextlib import AbstractContextManager
 from typing import Any
 
-from playwright.sync_api import Browser, Page, TimeoutError, expect
+from playwright.sync_api import Browser, Page, expect
 
 from tests.e2e.pages import signed_in
 from testsupport.live import LiveServer
@@ -25,26 +24,6 @@ def expect_running(page: Page) -> None:
     expect(page.get_by_role("timer", name="Time left")).not_to_contain_text(FULL_TIME)
     expect(page.get_by_role("button", name="Pause")).to_be_visible()
     expect(page.locator("strong[role=timer]")).to_be_hidden()
-
-
-def end_and_keep(page: Page) -> int:
-    """End the game, unless a bomb was quicker, and keep it; returns its recording."""
-    keep = page.get_by_role("button", name="Keep K")
-    while not keep.is_visible():
-        with suppress(TimeoutError):
-            page.get_by_role("button", name="End the game here").click(timeout=1_000)
-    keep.click()
-    return kept_as(page)
-
-
-def kept_as(page: Page) -> int:
-    """Return the recording that the ended game was kept as."""
-    said = page.get_by_text(re.compile(r"Kept as recording \d+"))
-    number = int(re.sub(r"\D", "", said.inner_text()))
-    behaviour = page.url.partition("/behaviours/")[2].partition("/")[0]
-    path = f"/api/behaviours/{behaviour}/recordings"
-    rows = page.evaluate("async (path) => (await fetch(path)).json()", path)
-    return next(int(row["id"]) for row in rows if row["number"] == number)
 
 
 def name_of(server: LiveServer, recording: int) -> str:

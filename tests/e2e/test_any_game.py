@@ -7,8 +7,9 @@ import re
 from playwright.sync_api import Browser, Page, expect
 
 from tests.e2e.pages import DESKTOP, signed_in
-from tests.e2e.playing import end_and_keep, name_of
+from tests.e2e.playing import name_of
 from testsupport.live import LiveServer
+from testsupport.page_actions import end_and_keep
 from tril.games import game_named
 
 PONG = game_named("pong")

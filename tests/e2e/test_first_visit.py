@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Locator, Page, expect
+from playwright.sync_api import Browser, expect
 
 from server.web.pages import FRONTEND
 from tests.e2e.pages import DESKTOP, WITHOUT_INFERENCE, signed_in
@@ -16,6 +16,7 @@ from tests.e2e.playing import expect_running
 from tests.trainings import checked
 from testsupport.finished_runs import make_finished_run
 from testsupport.live import LiveServer, live_server
+from testsupport.page_actions import Visitor
 from testsupport.waiting import wait_until
 from testsupport.workplace import Workplace
 from tril.settings import Settings
@@ -30,43 +31,11 @@ ADVICE = "The reward model orders the games at random. Rank other demonstrations
 ARCHIVE_TIMEOUT_MS = 120_000
 
 
-class Visitor:
-    """Somebody at a page, who clicks what has a name and presses keys.
-
-    Attributes:
-        page: The page.
-        clicks: Number of clicks so far.
-        keys: Number of key presses so far.
-    """
-
-    def __init__(self, page: Page) -> None:
-        self.page = page
-        self.clicks = self.keys = 0
-
-    def click(self, target: Locator) -> None:
-        """Click something."""
-        target.click()
-        self.clicks += 1
-
-    def press(self, key: str) -> None:
-        """Press a key."""
-        self.page.keyboard.press(key, delay=50)
-        self.keys += 1
-
-    def follow(self, name: str | re.Pattern[str]) -> None:
-        """Click the first link of a name."""
-        self.click(self.page.get_by_role("link", name=name).first)
-
-    def step(self, name: str) -> None:
-        """Click a step of a behaviour's path."""
-        path = self.page.get_by_role("navigation", name="Path")
-        self.click(path.get_by_role("link", name=name))
-
-    def needed_at_most(self, task: str, clicks: int, keys: int = 0) -> None:
-        """Print what a task took, and hold it against a bound."""
-        print(f"| {task} | {self.clicks} | {self.keys} |")
-        assert self.clicks <= clicks, task
-        assert self.keys <= keys, task
+def expect_at_most(visitor: Visitor, task: str, clicks: int, keys: int = 0) -> None:
+    """Print what a task took, and hold it against a bound."""
+    print(f"| {task} | {visitor.clicks} | {visitor.keys} |")
+    assert visitor.clicks <= clicks, task
+    assert visitor.keys <= keys, task
 
 
 @pytest.fixture
@@ -105,7 +74,7 @@ def test_to_see_what_an_example_learned(browser: Browser, empty: LiveServer) -> 
         visitor = Visitor(page)
         visitor.click(page.get_by_role("button", name="Open a finished example"))
         expect(page.get_by_role("region", name="Verdict")).to_contain_text("of 6 targets")
-        visitor.needed_at_most("See an example's result", clicks=1)
+        expect_at_most(visitor, "See an example's result", clicks=1)
 
 
 def test_to_play_and_keep_a_game(browser: Browser, empty: LiveServer) -> None:
@@ -119,7 +88,7 @@ def test_to_play_and_keep_a_game(browser: Browser, empty: LiveServer) -> None:
         visitor.click(page.get_by_role("button", name="End the game here"))
         visitor.click(page.get_by_role("button", name="Keep K"))
         expect(page.get_by_text(re.compile(r"Kept as recording \d+"))).to_be_visible()
-        visitor.needed_at_most("Play and keep a game", clicks=4, keys=2)
+        expect_at_most(visitor, "Play and keep a game", clicks=4, keys=2)
 
 
 def test_to_rank_twelve_games(browser: Browser, used: LiveServer) -> None:
@@ -136,7 +105,7 @@ def test_to_rank_twelve_games(browser: Browser, used: LiveServer) -> None:
             tier = re.compile(rf"^Tier \d+ of {ranked}, 1 recording$")
             expect(tiers.get_by_role("listitem", name=tier)).to_have_count(ranked)
         wait_until(lambda: n_tiers(used) == N_RANKED)
-        visitor.needed_at_most("Rank twelve games", clicks=2 + N_RANKED)
+        expect_at_most(visitor, "Rank twelve games", clicks=2 + N_RANKED)
 
 
 def n_tiers(server: LiveServer) -> int:
@@ -152,7 +121,7 @@ def test_to_find_out_why_a_run_stopped(browser: Browser, used: LiveServer) -> No
         row = page.get_by_role("row").filter(has_text="Stopped")
         visitor.click(row.get_by_role("link").first)
         expect(page.get_by_text(ADVICE).first).to_be_visible()
-        visitor.needed_at_most("Find out why a run stopped", clicks=3)
+        expect_at_most(visitor, "Find out why a run stopped", clicks=3)
 
 
 def test_to_download_the_policy(browser: Browser, used: LiveServer, tmp_path: Path) -> None:
@@ -165,6 +134,6 @@ def test_to_download_the_policy(browser: Browser, used: LiveServer, tmp_path: Pa
         with page.expect_download(timeout=ARCHIVE_TIMEOUT_MS) as waiting:
             visitor.click(page.get_by_role("button", name="Everything as a zip"))
         waiting.value.save_as(tmp_path / "run.zip")
-        visitor.needed_at_most("Download the policy", clicks=4)
+        expect_at_most(visitor, "Download the policy", clicks=4)
     with zipfile.ZipFile(tmp_path / "run.zip") as archive:
         assert {"policy/imitator.zip", "policy/imitator.safetensors"} <= set(archive.namelist())

@@ -9,8 +9,9 @@ import pytest
 from playwright.sync_api import Browser, CDPSession, Locator, Page, expect
 
 from tests.e2e.pages import DESKTOP
-from tests.e2e.playing import course_of, expect_running, kept_as, name_of, play_page
+from tests.e2e.playing import course_of, expect_running, name_of, play_page
 from testsupport.live import LiveServer
+from testsupport.page_actions import kept_as
 from tril.games.space_invaders.memory import Action
 
 PHONE: dict[str, Any] = {

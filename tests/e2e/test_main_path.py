@@ -11,6 +11,7 @@ from pathlib import Path
 
 from playwright.sync_api import Locator, Page, expect
 
+from testsupport.page_actions import drag_into, handle_of
 from testsupport.processes import TrilProcess
 from testsupport.workplace import TINY
 from tril.recipes import with_values
@@ -20,7 +21,6 @@ GAME_TIMEOUT_MS = 45_000
 RUN_TIMEOUT_MS = 400_000
 REWARD_TIMEOUT_MS = 60_000
 """The recording is replayed and judged by the reward model, whatever else the machine does."""
-DRAG_TIMEOUT_S = 20
 BEHAVIOUR_1 = re.compile(r"/behaviours/\d+")
 
 
@@ -126,7 +126,7 @@ def _rank(page: Page) -> None:
     tray = page.get_by_role("region", name=re.compile("Unranked"))
     expect(tray.get_by_role("article")).to_have_count(4)
 
-    _drag_into(page, _handle(tray, 2), page.get_by_text("Drag recordings here"), "the first tier")
+    drag_into(page, handle_of(tray, 2), page.get_by_text("Drag recordings here"), "the first tier")
     expect(tiers.get_by_role("article")).to_have_count(1)
     expect(page.get_by_text("Recording 2: the first tier")).to_be_attached()
     expect(page.get_by_role("status").get_by_text("Saved")).to_be_visible()
@@ -136,7 +136,7 @@ def _rank(page: Page) -> None:
     tray.get_by_role("button", name="Rank as worst: Recording 4").click()
     expect(tiers.get_by_role("article")).to_have_count(3)
 
-    handle = _handle(page.locator("main"), 4)
+    handle = handle_of(page.locator("main"), 4)
     handle.focus()
     page.keyboard.press("Space")
     expect(page.get_by_text("Picked up Recording 4")).to_be_attached()
@@ -159,34 +159,9 @@ def _rank(page: Page) -> None:
     _expect_order(tiers, ["Recording 2", "Recording 3", "Recording 4"])
 
 
-def _handle(where: Locator, number: int) -> Locator:
-    return where.get_by_role("button", name=f"Move Recording {number}", exact=True)
-
-
 def _wait_for_timers(page: Page) -> None:
     """Wait for every timer that is due: dnd-kit listens to the arrow keys from one of them on."""
     page.evaluate("() => new Promise((done) => setTimeout(done))")
-
-
-def _drag_into(page: Page, handle: Locator, target: Locator, announced: str) -> None:
-    """Drag as a person does: after the place while the page scrolls, until it stays lit."""
-    handle.scroll_into_view_if_needed()
-    start = handle.bounding_box()
-    assert start is not None
-    page.mouse.move(start["x"] + start["width"] / 2, start["y"] + start["height"] / 2)
-    page.mouse.down()
-    page.mouse.move(start["x"] - 20, start["y"] - 20, steps=4)
-    lit = page.get_by_text(f"Over {announced}")
-    deadline = time.monotonic() + DRAG_TIMEOUT_S
-    aimed_at = None
-    while not (lit.count() and target.bounding_box() == aimed_at):
-        assert time.monotonic() < deadline, f"the page does not say: Over {announced}"
-        aimed_at = target.bounding_box()
-        assert aimed_at is not None
-        x, y = aimed_at["x"] + aimed_at["width"] / 2, aimed_at["y"] + aimed_at["height"] / 2
-        page.mouse.move(x, y, steps=12)
-        page.wait_for_timeout(100)
-    page.mouse.up()
 
 
 def _expect_order(tiers: Locator, names: list[str]) -> None:

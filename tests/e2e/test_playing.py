@@ -9,8 +9,9 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from tests.e2e.pages import DESKTOP
-from tests.e2e.playing import end_and_keep, expect_running, play_page
+from tests.e2e.playing import expect_running, play_page
 from testsupport.live import LiveServer
+from testsupport.page_actions import end_and_keep
 from tril.games.space_invaders.memory import Action
 
 LEFT_OF_TWENTY = re.compile(r"(\d+\.\d) s")

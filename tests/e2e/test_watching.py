@@ -10,8 +10,9 @@ from playwright.sync_api import Browser, Page, ViewportSize, expect
 
 from server.web.pages import FRONTEND
 from tests.e2e.pages import DESKTOP, signed_in
-from tests.e2e.playing import end_and_keep, expect_running
+from tests.e2e.playing import expect_running
 from testsupport.live import LiveServer, live_server
+from testsupport.page_actions import end_and_keep
 from testsupport.watching import finished_run, running_inference
 from testsupport.workplace import Workplace
 from tril.games.space_invaders.memory import FRAMES_PER_STEP
