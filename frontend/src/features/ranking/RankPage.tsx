@@ -5,15 +5,17 @@ import { useMemo } from "react";
 import { useLocation, useSearchParams } from "react-router";
 
 import { borrowedQuery, useLibrary } from "@/api/library";
-import type { Behaviour, LibraryEntry } from "@/api/types";
+import type { Behaviour, LibraryEntry, Ranking } from "@/api/types";
 import { ButtonLink } from "@/components/controls/Button";
 import { Empty, Failed, Loading } from "@/components/feedback/States";
 import { rankingQuery } from "@/features/ranking/order/rankings";
+import { useRankingSaver } from "@/features/ranking/order/use-ranking";
 import { useGame } from "@/games/game";
 import { whyUnrankable } from "@/lib/recordings";
 import { selectedBy } from "@/lib/selection";
 
 import { RankingDesk } from "./RankingDesk";
+import { TakeOver } from "./TakeOver";
 
 /** Ranks the recordings of a behaviour into tiers, best to worst. */
 export function RankPage({ behaviour }: { behaviour: Behaviour }) {
@@ -46,7 +48,10 @@ export function RankPage({ behaviour }: { behaviour: Behaviour }) {
     ranking.data?.tiers.length === 0 && !rankable.some((one) => whyUnrankable(one) === null);
   if (!ranking.data || !entries || !borrowed.data || (!isWhole && (needsAny || isNothing)))
     return <Loading what={t`the ranking`} rows={4} />;
-  if (isNothing) return <NothingToRank behaviour={behaviour} />;
+  if (isNothing)
+    return (
+      <NothingToRank behaviour={behaviour} ranking={ranking.data} borrowed={borrowed.data} />
+    );
   return (
     <RankingDesk
       key={behaviour.id}
@@ -67,7 +72,14 @@ function withBorrowed(
   return [...own, ...borrowed].sort((a, b) => b.id - a.id);
 }
 
-function NothingToRank({ behaviour }: { behaviour: Behaviour }) {
+interface NothingToRankProps {
+  behaviour: Behaviour;
+  ranking: Ranking;
+  borrowed: readonly LibraryEntry[];
+}
+
+function NothingToRank({ behaviour, ranking, borrowed }: NothingToRankProps) {
+  const [, saver] = useRankingSaver(ranking);
   const { picture_url: picture } = useGame();
   return (
     <Empty
@@ -82,6 +94,11 @@ function NothingToRank({ behaviour }: { behaviour: Behaviour }) {
       <p>
         <Trans>Games that you keep appear here. Two are enough to begin with.</Trans>
       </p>
+      <TakeOver
+        behaviour={behaviour}
+        recordings={borrowed}
+        onTaken={(tiers) => saver.change(tiers)}
+      />
     </Empty>
   );
 }

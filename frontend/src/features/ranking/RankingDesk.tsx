@@ -26,7 +26,7 @@ import { Opinion } from "@/features/ranking/opinion/Opinion";
 import { OpinionBar } from "@/features/ranking/opinion/OpinionBar";
 import { useOpinions } from "@/features/ranking/opinion/use-opinions";
 import { judge, openPairs } from "@/features/ranking/order/branch-pairs";
-import { place, placeAll, tierOf, type Tiers } from "@/features/ranking/order/order";
+import { place, placeAll, tierOf, type Tiers, turnRound } from "@/features/ranking/order/order";
 import type { SaverState } from "@/features/ranking/order/saver";
 import { useRankingSaver } from "@/features/ranking/order/use-ranking";
 import { useUndoKeys } from "@/features/ranking/order/use-undo-keys";
@@ -45,6 +45,7 @@ import { Preview } from "./Preview";
 import styles from "./RankingDesk.module.css";
 import { SaveBar } from "./SaveBar";
 import { SelectionBar } from "./SelectionBar";
+import { TakeOver } from "./TakeOver";
 import { VariedGames } from "./VariedGames";
 
 interface RankingDeskProps {
@@ -244,7 +245,14 @@ export function RankingDesk({ behaviour, ranking, recordings, isWhole }: Ranking
       >
         <div className={classes(styles.page, selected.length > 0 && styles.selecting)}>
           <section className={styles.ranking} aria-label={t`Ranking`}>
-            <SaveBar state={state} saver={saver}>
+            <SaveBar
+              state={state}
+              saver={saver}
+              onTurnRound={() => {
+                saver.change(turnRound(tiers));
+                setSpoken(t`The order is turned round: what was worst is best.`);
+              }}
+            >
               <Hints
                 tiers={tiers}
                 nPerfect={perfect?.length ?? behaviour.n_perfect}
@@ -263,6 +271,13 @@ export function RankingDesk({ behaviour, ranking, recordings, isWhole }: Ranking
               </Button>
             )}
             <Board {...desk} />
+            {tiers.length === 0 && (
+              <TakeOver
+                behaviour={behaviour}
+                recordings={recordings}
+                onTaken={(taken) => saver.change(taken)}
+              />
+            )}
           </section>
           <div className={styles.side}>
             {!narrow && (

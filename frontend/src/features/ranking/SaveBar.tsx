@@ -10,14 +10,17 @@ import type { RankingSaver, SaverState } from "@/features/ranking/order/saver";
 
 import styles from "./SaveBar.module.css";
 
-/** Whether the order is saved, with undo and redo, and what comes next. */
+/** Whether the order is saved, with what changes all of it, and what comes next. */
 export function SaveBar({
   state,
   saver,
+  onTurnRound,
   children,
 }: {
   state: SaverState;
   saver: RankingSaver;
+  /** Makes the worst the best. */
+  onTurnRound: () => void;
   children: ReactNode;
 }) {
   const { saved, saving, error, conflict } = state;
@@ -41,6 +44,12 @@ export function SaveBar({
           label={t`Redo (Ctrl+Shift+Z)`}
           disabled={!saved.can_redo || conflict !== null}
           onClick={() => void saver.step("redo")}
+        />
+        <IconButton
+          icon="turnRound"
+          label={t`Turn the order round`}
+          disabled={state.tiers.length < 2 || conflict !== null}
+          onClick={onTurnRound}
         />
         {children}
       </div>

@@ -433,6 +433,87 @@ describe("ranking by keyboard", () => {
     await userEvent.keyboard("{Control>}{Shift>}z{/Shift}{/Control}");
     await waitFor(() => expect(board()).toEqual([["2"], ["1"]]));
   });
+
+  it("is turned round by one button, which an undo takes back", async () => {
+    const server = await open({ tiers: [[1], [2, 3], [4]] });
+    const turn = screen.getByRole("button", { name: "Turn the order round" });
+    turn.focus();
+    await userEvent.keyboard("{Enter}");
+    expect(board()).toEqual([["4"], ["2", "3"], ["1"]]);
+    expect(turn).toHaveFocus();
+    expect(
+      screen.getByText("The order is turned round: what was worst is best."),
+    ).toBeInTheDocument();
+    await waitFor(() => expect(server.now().tiers).toEqual([[4], [2, 3], [1]]));
+    await userEvent.keyboard("{Control>}z{/Control}");
+    await waitFor(() => expect(board()).toEqual([["1"], ["2", "3"], ["4"]]));
+  });
+
+  it("of a single tier cannot be turned round", async () => {
+    await open({ tiers: [[1, 2]] });
+    expect(screen.getByRole("button", { name: "Turn the order round" })).toBeDisabled();
+  });
+});
+
+describe("another behaviour's games", () => {
+  const LENDER = { name: "Keep left", target: null, built_in: false } as const;
+
+  function openBorrower(refusal?: Refusal) {
+    const lent = [21, 22, 23].map((id) =>
+      recording({ id, behaviour_id: 2, behaviour_name: LENDER.name, borrowed: true }),
+    );
+    const all: Recording[] = [];
+    let standing = ranking({ tiers: [] });
+    const asked = serve({
+      ...libraryRoutes(() => all),
+      "GET /api/behaviours": () => [
+        behaviour(),
+        behaviour({ ...LENDER, id: 2, n_ranked: 3 }),
+        behaviour({ ...LENDER, id: 3, name: "Stay up", game: "pong", n_ranked: 6 }),
+        behaviour({ ...LENDER, id: 4, name: "Nothing ranked", n_ranked: 0 }),
+      ],
+      "GET /api/behaviours/1/ranking": () => standing,
+      "GET /api/behaviours/2/ranking": () =>
+        ranking({ behaviour_id: 2, tiers: [[22], [21, 23]] }),
+      "POST /api/behaviours/1/ranking/games": () => {
+        if (refusal) return refusal;
+        all.push(...lent);
+        return lent;
+      },
+      "PUT /api/behaviours/1/ranking": ({ body }: Asked) => {
+        const { tiers } = body as { tiers: number[][] };
+        standing = ranking({ revision: standing.revision + 1, tiers, can_undo: true });
+        return standing;
+      },
+      "GET /api/behaviours/1/ranking/opinion": () => ({ revision: 0, games: [], wanted: null }),
+    });
+    show(<RankPage behaviour={behaviour()} />);
+    return asked;
+  }
+
+  it("are taken over in their order where nothing is ranked yet", async () => {
+    const asked = openBorrower();
+    const take = await screen.findByRole("button", { name: "Take over the 3 games of Keep left" });
+    // The only one of this game with ranked games.
+    expect(screen.queryByRole("combobox")).toBeNull();
+    await userEvent.click(take);
+    await waitFor(() => expect(board()).toEqual([["22"], ["21", "23"]]));
+    const sent = asked.filter(({ method }) => method !== "GET");
+    expect(sent.map(({ method, path, body }) => [method, path, body])).toEqual([
+      ["POST", "/api/behaviours/1/ranking/games", { recording_ids: [22, 21, 23] }],
+      ["PUT", "/api/behaviours/1/ranking", { base_revision: 1, tiers: [[22], [21, 23]] }],
+    ]);
+    expect(screen.queryByRole("button", { name: /^Take over/ })).toBeNull();
+  });
+
+  it("that are refused leave the board empty and say why", async () => {
+    openBorrower(new Refusal(409, { detail: "Nothing was added: recording 22 is deleted." }));
+    await userEvent.click(await screen.findByRole("button", { name: /^Take over the 3 games/ }));
+    expect(
+      await screen.findByText("Nothing was added: recording 22 is deleted."),
+    ).toBeInTheDocument();
+    expect(screen.getByText("Nothing to rank yet")).toBeVisible();
+  });
 });
 
 describe("varied games", () => {

@@ -74,6 +74,11 @@ export function newTier(tiers: Tiers, id: number): Tiers {
   return isTied(tiers, id) ? place(tiers, id, { kind: "gap", before: at + 1 }) : tiers;
 }
 
+/** Makes the worst the best. */
+export function turnRound(tiers: Tiers): Tiers {
+  return tiers.toReversed();
+}
+
 /** Whether a recording shares its tier. */
 export function isTied(tiers: Tiers, id: number): boolean {
   return (tiers[tierOf(tiers, id)]?.length ?? 0) > 1;
