@@ -49,9 +49,7 @@ export function RankPage({ behaviour }: { behaviour: Behaviour }) {
   if (!ranking.data || !entries || !borrowed.data || (!isWhole && (needsAny || isNothing)))
     return <Loading what={t`the ranking`} rows={4} />;
   if (isNothing)
-    return (
-      <NothingToRank behaviour={behaviour} ranking={ranking.data} borrowed={borrowed.data} />
-    );
+    return <NothingToRank behaviour={behaviour} ranking={ranking.data} borrowed={borrowed.data} />;
   return (
     <RankingDesk
       key={behaviour.id}

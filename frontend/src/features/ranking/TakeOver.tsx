@@ -33,7 +33,7 @@ export function TakeOver({ behaviour, recordings, onTaken }: TakeOverProps) {
   const toast = useToast();
   const take = useMutation({
     mutationFn: async (from: Behaviour) => {
-      const { tiers } = await client.fetchQuery({ ...rankingQuery(from.id), staleTime: 0 });
+      const { tiers } = await client.query({ ...rankingQuery(from.id), staleTime: 0 });
       const held = new Set(recordings.map(({ id }) => id));
       const missing = tiers.flat().filter((id) => !held.has(id));
       if (missing.length > 0) await addGames(behaviour.id, missing);

@@ -473,8 +473,7 @@ describe("another behaviour's games", () => {
         behaviour({ ...LENDER, id: 4, name: "Nothing ranked", n_ranked: 0 }),
       ],
       "GET /api/behaviours/1/ranking": () => standing,
-      "GET /api/behaviours/2/ranking": () =>
-        ranking({ behaviour_id: 2, tiers: [[22], [21, 23]] }),
+      "GET /api/behaviours/2/ranking": () => ranking({ behaviour_id: 2, tiers: [[22], [21, 23]] }),
       "POST /api/behaviours/1/ranking/games": () => {
         if (refusal) return refusal;
         all.push(...lent);
