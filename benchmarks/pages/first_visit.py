@@ -84,14 +84,14 @@ class Visit:
         visitor: Who is there.
         steps: Of each training.
         folder: For pictures and downloads.
-        parts: What is done.
+        n_parts: How many parts are done.
     """
 
     task: str
     visitor: Visitor
     steps: int
     folder: Path
-    parts: list[Part]
+    n_parts: int = 0
 
     @property
     def page(self) -> Page:
@@ -112,9 +112,12 @@ class Visit:
         own_s = taken - played_s - waited_s
         seconds = (round(own_s, 1), round(played_s), round(waited_s))
         made = Part(self.task, name, int(clicks), int(keys), *seconds, told="; ".join(told))
-        self.parts.append(made)
-        print(json.dumps(asdict(made)), flush=True)
-        self.page.screenshot(path=self.folder / f"{self.task}-{len(self.parts)}.png")
+        self.n_parts += 1
+        line = json.dumps(asdict(made))
+        print(line, flush=True)
+        with (self.folder / LEDGER).open("a", encoding="utf-8") as ledger:
+            ledger.write(line + "\n")
+        self.page.screenshot(path=self.folder / f"{self.task}-{self.n_parts}.png")
 
 
 def see_example(visit: Visit) -> None:
@@ -248,7 +251,7 @@ def send_result(visit: Visit) -> None:
     browser = page.context.browser
     assert browser is not None
     context = browser.new_context(viewport=VIEW, offline=True)
-    colleague = Visit(visit.task, Visitor(context.new_page()), 0, visit.folder, visit.parts)
+    colleague = Visit(visit.task, Visitor(context.new_page()), 0, visit.folder, visit.n_parts)
     with colleague.part("The colleague opens the file and sees it play") as told:
         colleague.page.goto(file.resolve().as_uri())
         screen = colleague.page.get_by_role("img", name="Game screen of Imitator")
@@ -352,8 +355,8 @@ TASKS: Mapping[str, Callable[[Visit], None]] = {
 }
 
 
-def visit_once(browser: Browser, task: str, folder: Path, steps: int) -> list[Part]:
-    """Do a task on an empty data folder; returns what its parts took."""
+def visit_once(browser: Browser, task: str, folder: Path, steps: int) -> None:
+    """Do a task on an empty data folder, and keep what its parts take."""
     data = folder / task
     if data.exists():
         shutil.rmtree(data)
@@ -361,14 +364,13 @@ def visit_once(browser: Browser, task: str, folder: Path, steps: int) -> list[Pa
         page = browser.new_page(viewport=VIEW)
         page.set_default_timeout(60_000)
         page.goto(tril.address)
-        visit = Visit(task, Visitor(page, np.random.default_rng(0)), steps, folder, [])
+        visit = Visit(task, Visitor(page, np.random.default_rng(0)), steps, folder)
         try:
             TASKS[task](visit)
         except BaseException:
             page.screenshot(path=folder / f"{task}-failed.png")
             raise
         page.close()
-    return visit.parts
 
 
 def table_of(parts: Sequence[Part], steps: int) -> str:
@@ -394,9 +396,10 @@ def table_of(parts: Sequence[Part], steps: int) -> str:
 
 
 def read_ledger(path: Path) -> list[Part]:
-    """Return the parts that a ledger has, none if there is no ledger."""
+    """Return the parts that a ledger has, by task; none if there is no ledger."""
     lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
-    return [Part(**json.loads(line)) for line in lines]
+    parts = [Part(**json.loads(line)) for line in lines]
+    return sorted(parts, key=lambda one: list(TASKS).index(one.task))
 
 
 def main() -> None:
@@ -412,13 +415,11 @@ def main() -> None:
     if not arguments.write:
         arguments.folder.mkdir(parents=True, exist_ok=True)
         for task in arguments.tasks:
+            others = [one for one in read_ledger(ledger) if one.task != task]
+            lines = [json.dumps(asdict(one)) + "\n" for one in others]
+            ledger.write_text("".join(lines), encoding="utf-8")
             with sync_playwright() as playwright, launch_chromium(playwright) as browser:
-                made = visit_once(browser, task, arguments.folder, arguments.steps)
-            kept = [one for one in read_ledger(ledger) if one.task != task]
-            rows = sorted([*kept, *made], key=lambda one: list(TASKS).index(one.task))
-            ledger.write_text(
-                "".join(json.dumps(asdict(one)) + "\n" for one in rows), encoding="utf-8"
-            )
+                visit_once(browser, task, arguments.folder, arguments.steps)
     table = table_of(read_ledger(ledger), arguments.steps)
     print(table)
     if arguments.write:
