@@ -66,6 +66,6 @@ def test_branches_and_their_parent_name_each_other(
         session.get_one(RecordingRow, played).state = RecordingState.PLAYING
     assert client.delete(f"/api/recordings/{deleted}").status_code == 204
     shown = client.get(f"/api/recordings/{branch}/course").json()
-    assert shown["parent"] == {"recording_id": parent, "frame": 120}
+    assert shown["parent"] == {"recording_id": parent, "number": 1, "frame": 120}
     shown = client.get(f"/api/recordings/{parent}/course").json()
-    assert shown["branches"] == [{"recording_id": branch, "frame": 120}]
+    assert shown["branches"] == [{"recording_id": branch, "number": 2, "frame": 120}]
