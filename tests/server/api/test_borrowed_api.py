@@ -42,6 +42,8 @@ def test_varied_games_are_added_unranked_and_said_to_be_what_they_are(
     assert set(unranked_in(client, COLUMN_2)) == {one["id"] for one in added}
     listed = rows_of(client.get(f"{COLUMN_2}/borrowed").json())
     assert sorted(one["id"] for one in listed) == sorted(one["id"] for one in of_others)
+    assert {one["behaviour_name"] for one in listed} == {"Column 1"}
+    assert {one["number"] for one in made} == {1, 2}, "numbers are of the behaviour"
     library = client.get(f"{COLUMN_2}/recordings").json()
     assert {one["id"] for one in library} == {one["id"] for one in made}
 

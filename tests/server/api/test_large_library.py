@@ -50,6 +50,8 @@ def test_a_library_in_brief_says_what_its_recordings_say(
     assert [row["id"] for row in rows] == [one["id"] for one in listed]
     for row, one in zip(rows, listed, strict=True):
         assert row["n_hits"] == len(one["hits"])
+        # Only a borrowed one's behaviour is said.
+        assert row.pop("behaviour_name") is None
         assert {key: row[key] for key in row.keys() & one.keys()} == {
             key: one[key] for key in row.keys() & one.keys()
         }
