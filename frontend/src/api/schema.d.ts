@@ -341,26 +341,6 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/behaviours/{behaviour_id}/ranking/revisions": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /**
-         * List Ranking Revisions
-         * @description Return the revisions of the ranking, newest first.
-         */
-        get: operations["list_ranking_revisions"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
     "/api/behaviours/{behaviour_id}/ranking/things": {
         parameters: {
             query?: never;
@@ -1277,11 +1257,11 @@ export interface paths {
          * Get Attention
          * @description Return what a network of a training looks at in a state of a recording.
          *
-         *     The map is non-negative, in the observation's 84x84 pixels. It says how much R changes, or the
-         *     log odds of the action that a policy would choose: by the gradient if a pixel became background,
-         *     to first order; by occlusion if patches of 3x3 pixels of one screen did, the sum of all over a
-         *     pixel; by patches of 9x9 pixels of all screens, the mean of those over a pixel. Its computation
-         *     stops when the client disconnects.
+         *     The map is non-negative, in the observation's 84x84 pixels. It says how much the level of R
+         *     changes, or the log odds of the action that a policy would choose: by the gradient if a pixel
+         *     became background, to first order; by occlusion if patches of 3x3 pixels of one screen did, the
+         *     sum of all over a pixel; by patches of 9x9 pixels of all screens, the mean of those over a
+         *     pixel. Its computation stops when the client disconnects.
          */
         get: operations["get_attention"];
         put?: never;
@@ -1561,171 +1541,97 @@ export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
         /**
-         * Action
          * @description What is logged.
          * @enum {string}
          */
         Action: "signed in" | "signed out" | "signed everybody out" | "made an invitation" | "used an invitation" | "revoked an invitation" | "made a key" | "revoked a key" | "changed a role" | "let a worker in" | "deleted" | "restored" | "renamed" | "changed" | "marked as perfect" | "unmarked as perfect" | "wrote notes" | "imported" | "exported" | "backed up" | "ranked" | "answered a statement" | "compared games blind" | "queued a run" | "cancelled a run";
-        /**
-         * Artifact
-         * @description A file of a training.
-         */
+        /** @description A file of a training. */
         Artifact: {
-            /** Id */
             id: number;
-            /** Kind */
             kind: string;
-            /** Media Type */
             media_type: string;
-            /** Name */
             name: string;
-            /** Size Bytes */
             size_bytes: number;
-            /** Url */
             url: string;
         };
-        /**
-         * AttentionMap
-         * @description Attention of the reward model at one state; pictures are PNG artifacts.
-         */
+        /** @description Attention of the reward model at one state; pictures are PNG artifacts. */
         AttentionMap: {
             faithfulness: components["schemas"]["Faithfulness"] | null;
-            /** Frame Url */
             frame_url: string;
-            /** Map Url */
             map_url: string;
-            /** Recording Id */
             recording_id: number;
-            /** Red Blue Url */
             red_blue_url: string;
-            /** Reward */
             reward: number;
             state: components["schemas"]["AttentionState"];
-            /** Step */
             step: number;
         };
         /**
-         * AttentionState
          * @description A state of the demonstrations that an attention map is drawn of (thesis, section 6.1).
          * @enum {string}
          */
         AttentionState: "minimum" | "90th percentile" | "95th percentile" | "maximum";
         /**
-         * AuditEntry
          * @description Something that somebody did; ``player`` is what they were called then.
          *
          *     It and ``player_id`` are null for commands in the terminal.
          */
         AuditEntry: {
             action: components["schemas"]["Action"];
-            /**
-             * At
-             * Format: date-time
-             */
+            /** Format: date-time */
             at: string;
-            /** Details */
             details: {
                 [key: string]: unknown;
             };
-            /** Id */
             id: number;
-            /** Player */
             player: string | null;
-            /** Player Id */
             player_id: number | null;
-            /** Subject */
             subject: string;
         };
         /**
-         * Axes
          * @description Along which axes a distance is taken.
          * @enum {string}
          */
         Axes: "x" | "y" | "both";
-        /**
-         * BegunBy
-         * @description The policy that played the first ``frames`` frames of a person's game.
-         */
+        /** @description The policy that played the first ``frames`` frames of a person's game. */
         BegunBy: {
-            /**
-             * Action Selection
-             * @enum {string}
-             */
+            /** @enum {string} */
             action_selection: "greedy" | "sampled" | "sticky";
-            /** Frames */
             frames: number;
-            /**
-             * Policy
-             * @enum {string}
-             */
+            /** @enum {string} */
             policy: "imitator" | "clone";
-            /** Run Id */
             run_id: string;
         };
-        /**
-         * Behaviour
-         * @description A behaviour. ``target`` is None if hits do not describe it.
-         */
+        /** @description A behaviour. ``target`` is None if hits do not describe it. */
         Behaviour: {
-            /** Built In */
             built_in: boolean;
-            /** Description */
             description: string;
-            /** Game */
             game: string;
-            /** Has Example */
             has_example: boolean;
-            /** Id */
             id: number;
-            /** Measures */
             measures: components["schemas"]["Measure"][];
-            /** N Perfect */
             n_perfect: number;
-            /** N Ranked */
             n_ranked: number;
-            /** N Recordings */
             n_recordings: number;
-            /** N Runs */
             n_runs: number;
-            /** Name */
             name: string;
-            /** Ordered */
             ordered: boolean;
             settings: components["schemas"]["Settings"];
-            /** Slug */
             slug: string;
-            /** Target */
             target: [
                 number,
                 number
             ][] | null;
         };
-        /**
-         * BehaviourNew
-         * @description A behaviour to add. ``game`` is one of the catalogue's.
-         */
+        /** @description A behaviour to add. ``game`` is one of the catalogue's. */
         BehaviourNew: {
-            /**
-             * Description
-             * @default
-             */
+            /** @default  */
             description: string;
-            /**
-             * Game
-             * @default space_invaders
-             */
+            /** @default space_invaders */
             game: string;
-            /**
-             * Measures
-             * @default []
-             */
+            /** @default [] */
             measures: components["schemas"]["Measure"][];
-            /** Name */
             name: string;
-            /**
-             * Ordered
-             * @default false
-             */
+            /** @default false */
             ordered: boolean;
             /**
              * @default {
@@ -1733,34 +1639,24 @@ export interface components {
              *     }
              */
             settings: components["schemas"]["Settings"];
-            /** Target */
             target?: [
                 number,
                 number
             ][] | null;
         };
-        /**
-         * BehaviourUpdate
-         * @description Omitted fields stay. A target can't change once recordings or runs exist (409).
-         */
+        /** @description Omitted fields stay. A target can't change once recordings or runs exist (409). */
         BehaviourUpdate: {
-            /** Description */
             description?: string | null;
-            /** Measures */
             measures?: components["schemas"]["Measure"][] | null;
-            /** Name */
             name?: string | null;
-            /** Ordered */
             ordered?: boolean | null;
             settings?: components["schemas"]["Settings"] | null;
-            /** Target */
             target?: [
                 number,
                 number
             ][] | null;
         };
         /**
-         * BlindAnswer
          * @description What a person does in a round, in order of time.
          *
          *     LEFT, RIGHT and EQUAL judge the next pair. TAKEN_BACK takes the last judgement back. ENDED ends
@@ -1769,7 +1665,6 @@ export interface components {
          */
         BlindAnswer: "left" | "right" | "equal" | "taken back" | "ended";
         /**
-         * BlindAnswerNew
          * @description What a person does in their round.
          *
          *     ``pair`` is the one that is judged, counted from 1; for TAKEN_BACK and ENDED, the last judged
@@ -1777,13 +1672,10 @@ export interface components {
          */
         BlindAnswerNew: {
             answer: components["schemas"]["BlindAnswer"];
-            /** Pair */
             pair: number;
-            /** Round */
             round: number;
         };
         /**
-         * BlindComparison
          * @description A person's blind comparison of a training's games.
          *
          *     ``round`` is the number of the round that they are in or begin next, of ``n_pairs`` pairs;
@@ -1792,19 +1684,13 @@ export interface components {
          *     rounds that are over, the newest first.
          */
         BlindComparison: {
-            /** Answers */
             answers: ("left" | "right" | "equal")[];
-            /** Finished */
             finished: components["schemas"]["FinishedBlindRound"][];
-            /** Frames Url */
             frames_url: string;
-            /** N Pairs */
             n_pairs: number;
-            /** Round */
             round: number;
         };
         /**
-         * BlindResult
          * @description How often the imitator's game was closer to what was meant.
          *
          *     Attributes:
@@ -1814,94 +1700,55 @@ export interface components {
          *         n_people: Number of people whose answers these are.
          */
         BlindResult: {
-            /** Against */
             against: components["schemas"]["OpponentScore"][];
-            /** N People */
             n_people: number;
             share: components["schemas"]["Interval"];
-            /** Wins */
             wins: number;
         };
-        /**
-         * BorrowedGames
-         * @description Games to borrow, all or none: of other behaviours, or of the policies of any training.
-         */
+        /** @description Games to borrow, all or none: of other behaviours, or of the policies of any training. */
         BorrowedGames: {
-            /** Recording Ids */
             recording_ids: number[];
         };
-        /**
-         * Branch
-         * @description A related recording, and the frame at which the two part.
-         */
+        /** @description A related recording, and the frame at which the two part. */
         Branch: {
-            /** Frame */
             frame: number;
-            /** Recording Id */
+            number: number | null;
             recording_id: number;
         };
-        /**
-         * Browser
-         * @description A browser that is signed in. ``present`` is the one that asks.
-         */
+        /** @description A browser that is signed in. ``present`` is the one that asks. */
         Browser: {
-            /**
-             * Created At
-             * Format: date-time
-             */
+            /** Format: date-time */
             created_at: string;
-            /** Id */
             id: number;
-            /** Name */
             name: string;
-            /** Player */
             player: string;
-            /** Present */
             present: boolean;
             role: components["schemas"]["Role"];
-            /** Seen At */
             seen_at: string | null;
         };
-        /**
-         * Checklist
-         * @description ``planned`` from best to worst; ``note`` says why it is empty.
-         */
+        /** @description ``planned`` from best to worst; ``note`` says why it is empty. */
         Checklist: {
-            /** Note */
             note: string;
-            /** Planned */
             planned: components["schemas"]["PlannedDemonstration"][];
         };
-        /**
-         * ChosenRecordings
-         * @description Recordings of a behaviour: as many as a page can select.
-         */
+        /** @description Recordings of a behaviour: as many as a page can select. */
         ChosenRecordings: {
-            /** Recording Ids */
             recording_ids: number[];
         };
         /**
-         * ClipKind
          * @description The formats of clips.
          * @enum {string}
          */
         ClipKind: "gif" | "webp" | "mp4";
-        /**
-         * ComparisonRow
-         * @description A row of the thesis' table: both policies' greedy games from a start, and the winner.
-         */
+        /** @description A row of the thesis' table: both policies' greedy games from a start, and the winner. */
         ComparisonRow: {
             clone: components["schemas"]["EvaluationGame"] | null;
-            /** Held Out */
             held_out: boolean;
             imitator: components["schemas"]["EvaluationGame"] | null;
-            /** Start Number */
             start_number: number;
-            /** Winner */
             winner: ("imitator" | "clone" | "tie") | null;
         };
         /**
-         * ConfusedTiers
          * @description Two tiers, counted from 1, best first, whose demonstrations the reward model confuses.
          *
          *     ``held_out``: it confuses them when one of the demonstrations is held out of learning.
@@ -1909,116 +1756,67 @@ export interface components {
          *     comparisons were right; None in runs of earlier versions.
          */
         ConfusedTiers: {
-            /** Better */
             better: number[];
-            /** Better Tier */
             better_tier: number;
-            /** Held Out */
             held_out: boolean;
-            /** N Compared */
             n_compared: number | null;
-            /** N Right */
             n_right: number | null;
-            /** Worse */
             worse: number[];
-            /** Worse Tier */
             worse_tier: number;
         };
-        /**
-         * ContradictingGames
-         * @description Two games of which the worse one has more of what was understood.
-         */
+        /** @description Two games of which the worse one has more of what was understood. */
         ContradictingGames: {
-            /** Better */
             better: number;
-            /** Worse */
             worse: number;
         };
         /**
-         * EvaluationGame
          * @description An evaluation game of a trained policy.
          *
          *     ``action_selection``: "greedy" takes the most probable action, "sampled" draws from the policy,
          *     "sticky" is greedy with the last action repeated with probability 0.25 at every frame.
          */
         EvaluationGame: {
-            /**
-             * Action Selection
-             * @enum {string}
-             */
+            /** @enum {string} */
             action_selection: "greedy" | "sampled" | "sticky";
-            /** Held Out */
             held_out: boolean;
-            /**
-             * Policy
-             * @enum {string}
-             */
+            /** @enum {string} */
             policy: "imitator" | "clone";
-            /** Predicted Return */
             predicted_return: number | null;
             recording: components["schemas"]["Recording"];
-            /** Start Number */
             start_number: number;
         };
-        /**
-         * Faithfulness
-         * @description How faithful an attention map is: its order of pixels, and the mean of random ones.
-         */
+        /** @description How faithful an attention map is: its order of pixels, and the mean of random ones. */
         Faithfulness: {
             map: components["schemas"]["MeasuredOrder"];
             random: components["schemas"]["MeasuredOrder"];
         };
-        /**
-         * FinishedBlindRound
-         * @description A person's round that is over, with whose games they were.
-         */
+        /** @description A person's round that is over, with whose games they were. */
         FinishedBlindRound: {
-            /** Number */
             number: number;
-            /** Pairs */
             pairs: components["schemas"]["RevealedPair"][];
             result: components["schemas"]["BlindResult"];
         };
-        /**
-         * Game
-         * @description A game. ``stream_path`` is its WebSocket's path (docs/protocol.md).
-         */
+        /** @description A game. ``stream_path`` is its WebSocket's path (docs/protocol.md). */
         Game: {
-            /** Behaviour Id */
             behaviour_id: number;
-            /** Frame */
             frame: number;
-            /** Id */
             id: string;
-            /** Max Frames */
             max_frames: number;
-            /** Recording Id */
             recording_id: number;
-            /** Stream Path */
             stream_path: string;
         };
-        /**
-         * GameFrom
-         * @description The frame of a recording after which a game continues.
-         */
+        /** @description The frame of a recording after which a game continues. */
         GameFrom: {
-            /** Frame */
             frame: number;
         };
-        /**
-         * GameNew
-         * @description A game to create. Without ``start`` its start is drawn at random.
-         */
+        /** @description A game to create. Without ``start`` its start is drawn at random. */
         GameNew: {
-            /** Behaviour Id */
             behaviour_id: number;
-            /** Start */
             start?: {
                 [key: string]: number;
             } | null;
         };
         /**
-         * GameOpinion
          * @description Where the other ranked games place a game.
          *
          *     Places are shares of the ranked games that are better, from 0 for the best to 1, with the ends
@@ -2027,204 +1825,121 @@ export interface components {
          *     its tier is improbable.
          */
         GameOpinion: {
-            /** Best Place */
             best_place: number;
-            /** Best Tier */
             best_tier: number;
-            /** Contradicted By */
             contradicted_by: number[];
-            /** Place */
             place: number;
-            /** Recording Id */
             recording_id: number;
-            /** Tier */
             tier: number;
-            /** Worst Place */
             worst_place: number;
-            /** Worst Tier */
             worst_tier: number;
         };
         /**
-         * Ghost
          * @description The cannon's rectangle in a recording, in pixels of the screen.
          *
          *     ``lefts`` are its left edges at the start and after every frame.
          */
         Ghost: {
-            /** Height */
             height: number;
-            /** Lefts */
             lefts: number[];
-            /** Recording Id */
+            number: number | null;
             recording_id: number;
             source: components["schemas"]["Source"];
-            /** Top */
             top: number;
-            /** Width */
             width: number;
         };
-        /**
-         * Headline
-         * @description A run's figures for the lists: greedy games from held-out evaluation starts.
-         */
+        /** @description A run's figures for the lists: greedy games from held-out evaluation starts. */
         Headline: {
             clone: components["schemas"]["PolicySummary"] | null;
-            /** Held Out Accuracy */
             held_out_accuracy: number | null;
             imitator: components["schemas"]["PolicySummary"] | null;
-            /** Pair Accuracy */
             pair_accuracy: number;
-            /** Tau */
             tau: number;
         };
-        /**
-         * Health
-         * @description The server runs; ``failing`` names the background tasks whose last run failed, if any.
-         */
+        /** @description The server runs; ``failing`` names the background tasks whose last run failed, if any. */
         Health: {
-            /** Failing */
             failing?: string[] | null;
-            /**
-             * Status
-             * @enum {string}
-             */
+            /** @enum {string} */
             status: "ok" | "degraded";
         };
-        /**
-         * Hit
-         * @description An item that was taken, and the frame in which it was.
-         */
+        /** @description An item that was taken, and the frame in which it was. */
         Hit: {
-            /** Column */
             column: number;
-            /** Frame */
             frame: number;
-            /** On Target */
             on_target: boolean | null;
-            /** Row */
             row: number;
         };
         /**
-         * ImportResult
          * @description The outcome of an upload.
          *
          *     ``imported`` are the new recordings, ``already_there`` those that the library had before.
          *     ``n_notices`` and ``n_refused`` count all messages; at most 20 of each kind are listed.
          */
         ImportResult: {
-            /** Already There */
             already_there: number[];
-            /** Imported */
             imported: number[];
-            /** N Notices */
             n_notices: number;
-            /** N Refused */
             n_refused: number;
-            /** Notices */
             notices: components["schemas"]["Refusal"][];
-            /** Refusals */
             refusals: components["schemas"]["Refusal"][];
         };
-        /**
-         * Interval
-         * @description A mean with its 95% interval over n games.
-         */
+        /** @description A mean with its 95% interval over n games. */
         Interval: {
-            /** High */
             high: number;
-            /** Low */
             low: number;
-            /** Mean */
             mean: number;
-            /** N */
             n: number;
         };
         /**
-         * Invitation
          * @description A link that lets people in, until it is revoked, used up or expired.
          *
          *     ``max_uses`` and ``expires_at`` are null for links of earlier versions, which have no bounds.
          */
         Invitation: {
-            /** Behaviour Id */
             behaviour_id: number | null;
-            /**
-             * Created At
-             * Format: date-time
-             */
+            /** Format: date-time */
             created_at: string;
-            /** Expires At */
             expires_at: string | null;
-            /** Id */
             id: number;
-            /** Max Uses */
             max_uses: number | null;
-            /** N Used */
             n_used: number;
-            /** Name */
             name: string;
             role: components["schemas"]["Role"];
         };
         /**
-         * InvitationNew
          * @description An invitation to make; participants are invited to one behaviour.
          *
          *     It lets ``max_uses`` people in, and nobody after some days.
          */
         InvitationNew: {
-            /** Behaviour Id */
             behaviour_id?: number | null;
-            /**
-             * Days
-             * @default 30
-             */
+            /** @default 30 */
             days: number;
-            /**
-             * Max Uses
-             * @default 30
-             */
+            /** @default 30 */
             max_uses: number;
-            /** Name */
             name: string;
             /**
-             * Role
              * @default participant
              * @enum {string}
              */
             role: "researcher" | "participant";
         };
-        /**
-         * Items
-         * @description The countable things of a game: cells of a grid, with row 0 at the bottom.
-         */
+        /** @description The countable things of a game: cells of a grid, with row 0 at the bottom. */
         Items: {
-            /** Columns */
             columns: number;
-            /** Plural */
             plural: string;
-            /** Row Colours */
             row_colours: string[];
-            /** Rows */
             rows: number;
-            /** Singular */
             singular: string;
-            /** Verb */
             verb: string;
         };
-        /**
-         * JudgedGame
-         * @description A game's true quantity (targets hit less strays), and what R makes of it by the measure.
-         */
+        /** @description A game's true quantity (targets hit less strays), and what R makes of it by the measure. */
         JudgedGame: {
-            /** Predicted */
             predicted: number;
-            /** Recording Id */
             recording_id: number;
-            /** True Quantity */
             true_quantity: number;
         };
         /**
-         * JudgedGames
          * @description The games of a player: demonstrations, or games that the reward model has not seen.
          *
          *     ``measure`` tells what of R each game's ``predicted`` is, the same for all games of a training;
@@ -2232,78 +1947,47 @@ export interface components {
          *     quantity and ``predicted``; None if all true quantities are equal.
          */
         JudgedGames: {
-            /** Demonstrated */
             demonstrated: boolean;
-            /** Games */
             games: components["schemas"]["JudgedGame"][];
-            /**
-             * Measure
-             * @enum {string}
-             */
+            /** @enum {string} */
             measure: "final_level" | "predicted_return";
-            /**
-             * Player
-             * @enum {string}
-             */
+            /** @enum {string} */
             player: "person" | "demonstrator" | "varied" | "imitator" | "clone";
-            /** Tau */
             tau: number | null;
         };
-        /**
-         * Key
-         * @description A key with which scripts and workers act for a person.
-         */
+        /** @description A key with which scripts and workers act for a person. */
         Key: {
-            /**
-             * Created At
-             * Format: date-time
-             */
+            /** Format: date-time */
             created_at: string;
-            /** Id */
             id: number;
-            /** Name */
             name: string;
-            /** Player */
             player: string;
             role: components["schemas"]["Role"];
-            /** Seen At */
             seen_at: string | null;
         };
-        /**
-         * KeyNew
-         * @description A key to make.
-         */
+        /** @description A key to make. */
         KeyNew: {
-            /** Name */
             name: string;
             /**
-             * Role
              * @default researcher
              * @enum {string}
              */
             role: "owner" | "researcher" | "worker";
         };
         /**
-         * Latency
          * @description The latency that the player of a game experienced (server.play.conditions).
          *
          *     Milliseconds from a key's event to the drawing of the first frame executed with it;
          *     ``frames_dropped`` were executed but not drawn.
          */
         Latency: {
-            /** Frames Dropped */
             frames_dropped: number;
-            /** Is Bad */
             is_bad: boolean;
-            /** P50 Ms */
             p50_ms: number | null;
-            /** P95 Ms */
             p95_ms: number | null;
-            /** Presses */
             presses: number;
         };
         /**
-         * Library
          * @description A library in brief, a part of it, or what of it changed.
          *
          *     ``cursor`` asks for what changes from here on. ``whole`` tells that ``recordings`` are all; else
@@ -2311,129 +1995,86 @@ export interface components {
          *     ``ranked`` are always all recordings in the ranking, best first.
          */
         Library: {
-            /** Cursor */
             cursor: number;
-            /** Ranked */
             ranked: number[];
             recordings: components["schemas"]["LibraryColumns"];
-            /** Removed */
             removed: number[];
-            /** Whole */
             whole: boolean;
         };
         /**
-         * LibraryColumns
          * @description Recordings in brief, newest first: each list has the values of one field.
          *
          *     The fields are those of ``Recording``; ``parent_id`` and ``parent_frame`` are of its ``parent``,
-         *     ``n_hits`` is the number of its ``hits``. ``counters`` has a list for each of the game's,
-         *     ``measured`` one of values for each of the behaviour's measures.
+         *     ``n_hits`` is the number of its ``hits``. ``behaviour_name`` is None for the behaviour's own.
+         *     ``counters`` has a list for each of the game's, ``measured`` one of values for each of the
+         *     behaviour's measures.
          */
         LibraryColumns: {
-            /** Counters */
+            behaviour_name: (string | null)[];
             counters: {
                 [key: string]: number[];
             };
-            /** Deleted */
             deleted: boolean[];
-            /** End */
             end: (string | null)[];
-            /** Id */
             id: number[];
-            /** Measured */
             measured: (number | null)[][];
-            /** N Frames */
             n_frames: number[];
-            /** N Hits */
             n_hits: number[];
-            /** N Steps */
             n_steps: number[];
-            /** Order Errors */
+            number: (number | null)[];
             order_errors: (number | null)[];
-            /** Parent Frame */
             parent_frame: (number | null)[];
-            /** Parent Id */
             parent_id: (number | null)[];
-            /** Perfect */
             perfect: boolean[];
-            /** Player */
             player: (string | null)[];
-            /** Run Id */
             run_id: (string | null)[];
-            /** Score */
             score: (number | null)[];
-            /** Source */
             source: components["schemas"]["Source"][];
-            /** State */
             state: components["schemas"]["RecordingState"][];
-            /** Strays */
             strays: (number | null)[];
-            /** Targets */
             targets: (number | null)[];
-            /** Verification */
             verification: components["schemas"]["Verification"][];
         };
-        /**
-         * Meaning
-         * @description What may be meant, e.g. "what you steer further to the left or right".
-         */
+        /** @description What may be meant, e.g. "what you steer further to the left or right". */
         Meaning: {
-            /** Sentence */
             sentence: string;
-            /** Subjects */
             subjects: string[];
         };
         /**
-         * Measure
          * @description What of a game is measured, and the bounds in which a behaviour wants it.
          *
          *     Which fields a kind has is told in docs/behaviour-format.md; the others are null. ``area`` is
          *     left, top, right, bottom in pixels, the last two outside. Shares are from 0 to 1.
          */
         Measure: {
-            /** Action */
             action?: string | null;
-            /** Area */
             area?: [
                 number,
                 number,
                 number,
                 number
             ] | null;
-            /** At Least */
             at_least?: number | null;
-            /** At Most */
             at_most?: number | null;
             axes?: components["schemas"]["Axes"] | null;
-            /** Button */
             button?: string | null;
-            /** Cells */
             cells?: [
                 number,
                 number
             ][] | null;
-            /** Counter */
             counter?: string | null;
-            /** Distance Px */
             distance_px?: number | null;
-            /**
-             * Kind
-             * @enum {string}
-             */
+            /** @enum {string} */
             kind: "items" | "order" | "region" | "nearness" | "rate" | "score" | "alive" | "length" | "counter";
-            /** Other */
             other?: string | null;
             per?: components["schemas"]["Per"] | null;
-            /** Sequences */
             sequences?: [
                 number,
                 number
             ][][][] | null;
-            /** Thing */
             thing?: string | null;
         };
         /**
-         * MeasuredOrder
          * @description What happens to R while pixels are hidden or shown in an order.
          *
          *     In levels: 1 is the change from how demonstrations begin to how the best ones end. See
@@ -2445,43 +2086,29 @@ export interface components {
          *         hidden_fifth: Change when the first fifth is hidden.
          */
         MeasuredOrder: {
-            /** Deletion */
             deletion: number;
-            /** Hidden Fifth */
             hidden_fifth: number;
-            /** Insertion */
             insertion: number;
         };
         /**
-         * MeasuredValue
          * @description The value of a measure in a game, in the order of the behaviour's measures.
          *
          *     ``value`` is null if there was nothing to measure, or while the value is not ``known`` yet.
          *     ``met`` is null without a value or a bound.
          */
         MeasuredValue: {
-            /** Known */
             known: boolean;
-            /** Met */
             met: boolean | null;
             unit: components["schemas"]["Unit"];
-            /** Value */
             value: number | null;
         };
-        /**
-         * MeasureMean
-         * @description The mean over ``n`` games, of which ``n_met`` meet the measure; null without a bound.
-         */
+        /** @description The mean over ``n`` games, of which ``n_met`` meet the measure; null without a bound. */
         MeasureMean: {
-            /** Mean */
             mean: number;
-            /** N */
             n: number;
-            /** N Met */
             n_met: number | null;
         };
         /**
-         * MeasureRow
          * @description A measure over a training's games.
          *
          *     ``imitator`` and ``clone`` are greedy games from held-out starts, ``person`` the ranked games
@@ -2494,24 +2121,14 @@ export interface components {
             person: components["schemas"]["MeasureMean"] | null;
             unit: components["schemas"]["Unit"];
         };
-        /**
-         * MemoryCell
-         * @description The meaning of an address of the console's RAM.
-         */
+        /** @description The meaning of an address of the console's RAM. */
         MemoryCell: {
-            /** Address */
             address: number;
-            /** Name */
             name: string;
         };
-        /**
-         * Metrics
-         * @description Curves, each [[step, value], ...]. Pass ``last`` as ``after`` to get newer points.
-         */
+        /** @description Curves, each [[step, value], ...]. Pass ``last`` as ``after`` to get newer points. */
         Metrics: {
-            /** Last */
             last: number;
-            /** Series */
             series: {
                 [key: string]: {
                     [key: string]: [
@@ -2521,119 +2138,66 @@ export interface components {
                 };
             };
         };
-        /**
-         * NamedEnd
-         * @description A way in which a game ends. ``kind`` is death, failed, won or time.
-         */
+        /** @description A way in which a game ends. ``kind`` is death, failed, won or time. */
         NamedEnd: {
-            /** Kind */
             kind: string;
-            /** Name */
             name: string;
-            /** Sentence */
             sentence: string;
         };
-        /**
-         * NamedRule
-         * @description When a loss ends a game.
-         */
+        /** @description When a loss ends a game. */
         NamedRule: {
-            /** Name */
             name: string;
-            /** Title */
             title: string;
         };
-        /**
-         * NamedThing
-         * @description A kind of things on the game's screen, and what may be meant of it.
-         */
+        /** @description A kind of things on the game's screen, and what may be meant of it. */
         NamedThing: {
-            /** Kind */
             kind: number;
-            /** Meanings */
             meanings: components["schemas"]["Meaning"][];
-            /** Name */
             name: string;
-            /** Picture */
             picture: string | null;
         };
-        /**
-         * NamedThings
-         * @description What may be meant: of things, what the player steers first, and of what is no thing.
-         */
+        /** @description What may be meant: of things, what the player steers first, and of what is no thing. */
         NamedThings: {
-            /** Others */
             others: components["schemas"]["Meaning"][];
-            /** Things */
             things: components["schemas"]["NamedThing"][];
         };
-        /**
-         * NewInvitation
-         * @description An invitation that was made; ``path``, its link on this server, is shown only now.
-         */
+        /** @description An invitation that was made; ``path``, its link on this server, is shown only now. */
         NewInvitation: {
-            /** Behaviour Id */
             behaviour_id: number | null;
-            /**
-             * Created At
-             * Format: date-time
-             */
+            /** Format: date-time */
             created_at: string;
-            /** Expires At */
             expires_at: string | null;
-            /** Id */
             id: number;
-            /** Max Uses */
             max_uses: number | null;
-            /** N Used */
             n_used: number;
-            /** Name */
             name: string;
-            /** Path */
             path: string;
             role: components["schemas"]["Role"];
         };
-        /**
-         * NewKey
-         * @description A key that was made; ``key`` is shown only now.
-         */
+        /** @description A key that was made; ``key`` is shown only now. */
         NewKey: {
-            /**
-             * Created At
-             * Format: date-time
-             */
+            /** Format: date-time */
             created_at: string;
-            /** Id */
             id: number;
-            /** Key */
             key: string;
-            /** Name */
             name: string;
-            /** Player */
             player: string;
             role: components["schemas"]["Role"];
-            /** Seen At */
             seen_at: string | null;
         };
         /**
-         * NextGame
          * @description An unranked game that tells the first statement from another one.
          *
          *     ``other`` is the other's place among the statements, from 0. The shares are those of the ranked
          *     games that it is better than by either.
          */
         NextGame: {
-            /** Better Than */
             better_than: number;
-            /** Better Than By Other */
             better_than_by_other: number;
-            /** Other */
             other: number;
-            /** Recording Id */
             recording_id: number;
         };
         /**
-         * OpponentScore
          * @description How often the imitator's game was closer than an opponent's.
          *
          *     Attributes:
@@ -2642,94 +2206,59 @@ export interface components {
          *         n: Number of pairs.
          */
         OpponentScore: {
-            /** N */
             n: number;
-            /**
-             * Opponent
-             * @enum {string}
-             */
+            /** @enum {string} */
             opponent: "person" | "demonstrator" | "varied" | "imitator" | "clone";
-            /** Wins */
             wins: number;
         };
         /**
-         * PagePart
          * @description A part of a page that is sent, by its ending.
          * @enum {string}
          */
         PagePart: "html" | "png";
         /**
-         * Per
          * @description What a rate of an action is relative to.
          * @enum {string}
          */
         Per: "second" | "time";
-        /**
-         * Person
-         * @description Somebody who has been let in. ``behaviour_ids`` is what they play as a participant.
-         */
+        /** @description Somebody who has been let in. ``behaviour_ids`` is what they play as a participant. */
         Person: {
-            /** Behaviour Ids */
             behaviour_ids: number[];
-            /** Id */
             id: number;
-            /** Name */
             name: string;
             role: components["schemas"]["Role"];
         };
         /**
-         * PlannedDemonstration
          * @description One of the demonstrations that exemplify a behaviour.
          *
-         *     ``recording_id`` is a recording that hits what it asks for and ends without the player's death;
-         *     None while there is none.
+         *     ``recording_id`` and ``recording_number`` are of a recording that hits what it asks for and ends
+         *     without the player's death; None while there is none.
          */
         PlannedDemonstration: {
-            /** Description */
             description: string;
-            /** Number */
             number: number;
-            /** Recording Id */
             recording_id: number | null;
+            recording_number: number | null;
         };
-        /**
-         * Player
-         * @description A person, and what they may do here.
-         */
+        /** @description A person, and what they may do here. */
         Player: {
-            /** Id */
             id: number;
-            /** Name */
             name: string;
             role: components["schemas"]["Role"];
         };
-        /**
-         * PlayerUpdate
-         * @description A player's new name.
-         */
+        /** @description A player's new name. */
         PlayerUpdate: {
-            /** Name */
             name: string;
         };
-        /**
-         * PolicyGamesSummary
-         * @description Means over a policy's games from held-out starts.
-         */
+        /** @description Means over a policy's games from held-out starts. */
         PolicyGamesSummary: {
-            /**
-             * Action Selection
-             * @enum {string}
-             */
+            /** @enum {string} */
             action_selection: "greedy" | "sampled" | "sticky";
-            /**
-             * Policy
-             * @enum {string}
-             */
+            /** @enum {string} */
             policy: "imitator" | "clone";
             summary: components["schemas"]["PolicySummary"];
         };
         /**
-         * PolicySummary
          * @description Means over a policy's games; None where games have no such number.
          *
          *     ``perfect`` is the share of perfect games; runs of versions up to 0.2.0 have none stored.
@@ -2743,20 +2272,14 @@ export interface components {
             strays: components["schemas"]["Interval"] | null;
             targets: components["schemas"]["Interval"] | null;
         };
-        /**
-         * Problem
-         * @description The body of every error. ``detail`` says what is wrong and what to do.
-         */
+        /** @description The body of every error. ``detail`` says what is wrong and what to do. */
         Problem: {
-            /** Detail */
             detail: string;
-            /** Errors */
             errors?: {
                 [key: string]: unknown;
             }[] | null;
         };
         /**
-         * ProcessStatus
          * @description ``busy`` is true after 15 s without a heartbeat if the process is known to live.
          *
          *     ``alive`` is false if it is not.
@@ -2764,189 +2287,100 @@ export interface components {
          *     ``host``, ``cores`` and ``gpu`` say where a worker learns; ``gpu`` is null if not on one.
          */
         ProcessStatus: {
-            /** Alive */
             alive: boolean;
-            /** Busy */
             busy: boolean;
-            /** Cores */
             cores: number | null;
-            /** Details */
             details: {
                 [key: string]: unknown;
             };
-            /** Gpu */
             gpu: string | null;
-            /** Host */
             host: string | null;
-            /**
-             * Kind
-             * @enum {string}
-             */
+            /** @enum {string} */
             kind: "server" | "worker" | "inference";
-            /** Name */
             name: string;
         };
         /**
-         * RankedReturn
          * @description What the reward model says of a demonstration, by its tier, from 1.
          *
          *     ``predicted_return`` is the sum of R over its observations, ``final_level`` the mean level of
          *     the last 25, which the ranking is checked by; None in runs of versions up to 0.2.0.
          */
         RankedReturn: {
-            /** Final Level */
             final_level: number | null;
-            /** Predicted Return */
             predicted_return: number;
             recording: components["schemas"]["Recording"];
-            /** Tier */
             tier: number;
         };
         /**
-         * Ranking
          * @description ``tiers`` best first. Unranked are the library's recordings and borrowed ones in no tier.
          *
          *     Recordings that are not kept or not verified can't be ranked.
          */
         Ranking: {
-            /** Behaviour Id */
             behaviour_id: number;
-            /** Can Redo */
             can_redo: boolean;
-            /** Can Undo */
             can_undo: boolean;
-            /** N Pairs */
             n_pairs: number;
-            /** Revision */
             revision: number;
-            /** Tiers */
             tiers: number[][];
         };
-        /**
-         * RankingCheck
-         * @description How well the reward model agrees with the ranking, with the recordings concerned.
-         */
+        /** @description How well the reward model agrees with the ranking, with the recordings concerned. */
         RankingCheck: {
-            /** Advice */
             advice: string;
-            /**
-             * Answers
-             * @default []
-             */
+            /** @default [] */
             answers: components["schemas"]["StatementAnswer"][];
-            /** Confused */
             confused: components["schemas"]["ConfusedTiers"][];
-            /** Held Out Accuracy */
             held_out_accuracy: number | null;
-            /** Pair Accuracy */
             pair_accuracy: number;
-            /** Passed */
             passed: boolean;
-            /** Returns */
             returns: components["schemas"]["RankedReturn"][];
-            /**
-             * Statements
-             * @default []
-             */
+            /** @default [] */
             statements: components["schemas"]["ToldStatement"][];
-            /** Tau */
             tau: number;
             wanted: components["schemas"]["WantedAliens"] | null;
-            /**
-             * Warning
-             * @default
-             */
+            /** @default  */
             warning: string;
         };
-        /**
-         * RankingConflict
-         * @description Somebody else saved first: ``current`` is their ranking, ``yours`` what was sent.
-         */
+        /** @description Somebody else saved first: ``current`` is their ranking, ``yours`` what was sent. */
         RankingConflict: {
             current: components["schemas"]["Ranking"];
-            /** Detail */
             detail: string;
-            /** Yours */
             yours: number[][];
         };
         /**
-         * RankingOpinion
          * @description What a revision of the ranking says of each game, and which aliens it asks for.
          *
          *     ``games`` is empty and ``wanted`` null of rankings of fewer than four games or two tiers. Of
          *     unranked games the newest 60 are looked at, and all perfect ones.
          */
         RankingOpinion: {
-            /** Games */
             games: components["schemas"]["GameOpinion"][];
-            /** Revision */
             revision: number;
             wanted: components["schemas"]["WantedAliens"] | null;
         };
-        /**
-         * RankingRevision
-         * @description A revision of a ranking and the change that made it.
-         */
-        RankingRevision: {
-            /**
-             * Change
-             * @enum {string}
-             */
-            change: "edit" | "undo" | "redo" | "import" | "deletion" | "example";
-            /**
-             * Created At
-             * Format: date-time
-             */
-            created_at: string;
-            /** Player */
-            player: string | null;
-            /** Revision */
-            revision: number;
-            /** Tiers */
-            tiers: number[][];
-        };
-        /**
-         * RankingStep
-         * @description Undo or redo from this revision.
-         */
+        /** @description Undo or redo from this revision. */
         RankingStep: {
-            /** Base Revision */
             base_revision: number;
         };
-        /**
-         * RankingUpdate
-         * @description ``base_revision`` is the revision that was edited; an old one answers 409.
-         */
+        /** @description ``base_revision`` is the revision that was edited; an old one answers 409. */
         RankingUpdate: {
-            /** Base Revision */
             base_revision: number;
-            /** Tiers */
             tiers: number[][];
         };
-        /**
-         * ReadyMade
-         * @description A behaviour that comes with a game, to be added as it is or changed.
-         */
+        /** @description A behaviour that comes with a game, to be added as it is or changed. */
         ReadyMade: {
-            /** Description */
             description: string;
-            /** Measures */
             measures: components["schemas"]["Measure"][];
-            /** Name */
             name: string;
-            /** Ordered */
             ordered: boolean;
             settings: components["schemas"]["Settings"];
-            /** Slug */
             slug: string;
-            /** Target */
             target: [
                 number,
                 number
             ][] | null;
         };
         /**
-         * Recipe
          * @description A learning recipe; ``values`` are its hyperparameters, ``stages`` the stages of its runs.
          *
          *     ``ordered_steps`` are proposed where targets have an order, else ``default_steps``.
@@ -2954,34 +2388,24 @@ export interface components {
          *     ``warm_up_steps`` or fewer learns nothing.
          */
         Recipe: {
-            /** Default Steps */
             default_steps: number;
-            /** Learning Rate */
             learning_rate: number;
-            /** Name */
             name: string;
-            /** Ordered Steps */
             ordered_steps: number;
-            /** Overhead S */
             overhead_s: number;
-            /** Stages */
             stages: components["schemas"]["RunStage"][];
-            /** Steps Per S */
             steps_per_s: number;
-            /** Steps Per S Measured */
             steps_per_s_measured: boolean;
-            /** Summary */
             summary: string;
-            /** Values */
             values: {
                 [key: string]: unknown;
             };
-            /** Warm Up Steps */
             warm_up_steps: number;
         };
         /**
-         * Recording
-         * @description ``targets``, ``strays``, ``order_errors`` are None for behaviours without a target.
+         * @description ``number`` names it among those of its behaviour, or of its run; None until it has ended.
+         *
+         *     ``targets``, ``strays``, ``order_errors`` are None for behaviours without a target.
          *
          *     ``frames_url`` and ``strip_url`` carry a version, so that they may be cached for ever.
          *     ``latency`` is None if it was not measured. ``slowest_percent`` is the slowest speed of play,
@@ -2998,81 +2422,49 @@ export interface components {
          */
         Recording: {
             begun_by: components["schemas"]["BegunBy"] | null;
-            /** Behaviour Id */
             behaviour_id: number;
-            /** Behaviour Name */
             behaviour_name: string;
-            /** Borrowed */
             borrowed: boolean;
-            /** Counters */
             counters: {
                 [key: string]: number;
             };
-            /**
-             * Created At
-             * Format: date-time
-             */
+            /** Format: date-time */
             created_at: string;
-            /** Deleted */
             deleted: boolean;
-            /** End */
             end: string | null;
-            /** Evaluation Start */
             evaluation_start: number | null;
-            /** Frames Url */
             frames_url: string;
-            /** Game */
             game: string;
-            /** Hits */
             hits: components["schemas"]["Hit"][];
-            /** Hits Per Column */
             hits_per_column: number[];
-            /** Id */
             id: number;
             latency: components["schemas"]["Latency"] | null;
-            /** Measured */
             measured: components["schemas"]["MeasuredValue"][];
-            /** N Frames */
             n_frames: number;
-            /** N Steps */
             n_steps: number;
-            /** Notes */
             notes: string;
-            /** Order Errors */
+            number: number | null;
             order_errors: number | null;
             parent: components["schemas"]["Branch"] | null;
-            /** Perfect */
             perfect: boolean;
-            /** Player */
             player: string | null;
-            /** Ranked */
             ranked: boolean;
-            /** Run Id */
             run_id: string | null;
-            /** Score */
             score: number | null;
-            /** Single Steps */
             single_steps: number | null;
-            /** Slowest Percent */
             slowest_percent: number | null;
             source: components["schemas"]["Source"];
-            /** Start */
             start: {
                 [key: string]: number;
             };
             state: components["schemas"]["RecordingState"];
-            /** Strays */
             strays: number | null;
-            /** Strip Url */
             strip_url: string;
-            /** Targets */
             targets: number | null;
             verification: components["schemas"]["Verification"];
-            /** Verification Note */
             verification_note: string;
         };
         /**
-         * RecordingCourse
          * @description A recording frame by frame.
          *
          *     ``actions[f]`` was executed in frame ``f + 1`` (docs/exchange-format.md names them).
@@ -3081,35 +2473,22 @@ export interface components {
          *     ``memory_names`` names its known addresses.
          */
         RecordingCourse: {
-            /** Actions */
             actions: number[];
-            /** Branches */
             branches: components["schemas"]["Branch"][];
-            /** Conditions */
             conditions: {
                 [key: string]: unknown;
             };
-            /** Memory Names */
             memory_names: components["schemas"]["MemoryCell"][];
-            /** Memory Url */
             memory_url: string;
             parent: components["schemas"]["Branch"] | null;
         };
-        /**
-         * RecordingsChange
-         * @description A change of several recordings of a behaviour, made to all or to none.
-         */
+        /** @description A change of several recordings of a behaviour, made to all or to none. */
         RecordingsChange: {
-            /**
-             * Change
-             * @enum {string}
-             */
+            /** @enum {string} */
             change: "delete" | "restore" | "mark_perfect" | "unmark_perfect";
-            /** Recording Ids */
             recording_ids: number[];
         };
         /**
-         * RecordingState
          * @description State of a recording.
          *
          *     PLAYING: being played; UNFINISHED: its game was abandoned; FINISHED: ended, but neither kept
@@ -3117,62 +2496,37 @@ export interface components {
          * @enum {string}
          */
         RecordingState: "playing" | "unfinished" | "finished" | "kept";
-        /**
-         * RecordingUpdate
-         * @description Omitted fields stay.
-         */
+        /** @description Omitted fields stay. */
         RecordingUpdate: {
-            /** Notes */
             notes?: string | null;
-            /** Perfect */
             perfect?: boolean | null;
         };
-        /**
-         * Refusal
-         * @description ``line`` counts from 1 in the uploaded file.
-         */
+        /** @description ``line`` counts from 1 in the uploaded file. */
         Refusal: {
-            /** Line */
             line: number;
-            /** Reason */
             reason: string;
         };
-        /**
-         * RevealedPair
-         * @description A pair of a round that is over.
-         */
+        /** @description A pair of a round that is over. */
         RevealedPair: {
-            /**
-             * Answer
-             * @enum {string}
-             */
+            /** @enum {string} */
             answer: "left" | "right" | "equal";
             imitator: components["schemas"]["Recording"];
-            /** Imitator Left */
             imitator_left: boolean;
-            /**
-             * Opponent
-             * @enum {string}
-             */
+            /** @enum {string} */
             opponent: "person" | "demonstrator" | "varied" | "imitator" | "clone";
             other: components["schemas"]["Recording"];
         };
         /**
-         * RewardAlarm
          * @description The predicted return of training games rose, but the games did not improve.
          *
          *     ``message`` says what this means and what to do.
          */
         RewardAlarm: {
-            /** From Step */
             from_step: number;
-            /** Message */
             message: string;
-            /** To Step */
             to_step: number;
         };
         /**
-         * RewardState
          * @description A state of a demonstration.
          *
          *     Attributes:
@@ -3181,36 +2535,28 @@ export interface components {
          *         step: The step after which it stands.
          */
         RewardState: {
-            /** Recording Id */
             recording_id: number;
-            /** Reward */
             reward: number;
-            /** Step */
             step: number;
         };
         /**
-         * RewardTrace
          * @description R (raw output) of every observation of a recording, by step, beginning with the start.
          *
-         *     ``levels`` are R scaled: 0 is how demonstrations begin, 1 how the best ones end. The deviations
-         *     are the standard deviations of both, null if the reward model does not know them.
+         *     ``levels`` are R scaled: 0 is ``zero_level_reward``, how demonstrations begin, and 1 is
+         *     ``unit_level_reward``, how the best ones end. The deviations are the standard deviations of
+         *     both, null if the reward model does not know them.
          */
         RewardTrace: {
-            /** Level Deviations */
             level_deviations: number[] | null;
-            /** Levels */
             levels: number[];
-            /** Recording Id */
             recording_id: number;
-            /** Reward Deviations */
             reward_deviations: number[] | null;
-            /** Rewards */
             rewards: number[];
-            /** Run Id */
             run_id: string;
+            unit_level_reward: number;
+            zero_level_reward: number;
         };
         /**
-         * Role
          * @description What a person may do, see server/web/permissions.py.
          *
          *     OWNER: everything. RESEARCHER: everything but who gets in. PARTICIPANT: play the behaviours of
@@ -3219,21 +2565,13 @@ export interface components {
          * @enum {string}
          */
         Role: "owner" | "researcher" | "participant" | "worker";
-        /**
-         * RoleUpdate
-         * @description What somebody is to be; a participant plays ``behaviour_id`` besides what they did before.
-         */
+        /** @description What somebody is to be; a participant plays ``behaviour_id`` besides what they did before. */
         RoleUpdate: {
-            /** Behaviour Id */
             behaviour_id?: number | null;
-            /**
-             * Role
-             * @enum {string}
-             */
+            /** @enum {string} */
             role: "researcher" | "participant";
         };
         /**
-         * Run
          * @description A training. ``progress`` is that of the whole run, 0..1; ``stages`` are in order.
          *
          *     ``imported``: it was trained elsewhere, such as the example that ships with Tril.
@@ -3241,83 +2579,50 @@ export interface components {
          *     the run that is trained next, None for one that doesn't wait.
          */
         Run: {
-            /** Behaviour Id */
             behaviour_id: number;
-            /** Behaviour Name */
             behaviour_name: string;
-            /**
-             * Created At
-             * Format: date-time
-             */
+            /** Format: date-time */
             created_at: string;
             device: components["schemas"]["RunDevice"];
-            /** Example */
             example: boolean;
-            /** Finished At */
             finished_at: string | null;
-            /** Go On Anyway */
             go_on_anyway: boolean;
             headline: components["schemas"]["Headline"] | null;
-            /** Id */
             id: string;
-            /** Imported */
             imported: boolean;
-            /** Learning Rate */
             learning_rate: number;
-            /** Message */
             message: string;
-            /** N Perfect */
             n_perfect: number | null;
-            /** N Ranked */
             n_ranked: number | null;
-            /** Name */
             name: string;
-            /** Notes */
             notes: string;
-            /** Parent Run Id */
             parent_run_id: string | null;
-            /** Progress */
             progress: number;
-            /** Queue Position */
             queue_position: number | null;
-            /** Ranking Revision */
             ranking_revision: number | null;
-            /** Recipe */
             recipe: string;
-            /** Recipe Values */
             recipe_values: {
                 [key: string]: unknown;
             };
-            /** Remaining S */
             remaining_s: number | null;
-            /** Stage */
             stage: components["schemas"]["Stage"] | "";
-            /** Stage Progress */
             stage_progress: number;
-            /** Stages */
             stages: components["schemas"]["RunStage"][];
-            /** Started At */
             started_at: string | null;
             status: components["schemas"]["RunStatus"];
-            /** Steps */
             steps: number;
-            /** Training Seed */
             training_seed: number;
-            /** Versions */
             versions: {
                 [key: string]: string;
             };
-            /** Worker Alive */
             worker_alive: boolean;
         };
         /**
-         * RunDevice
          * @description Which workers may take a run. ANY: all. GPU: those that learn on a GPU.
          * @enum {string}
          */
         RunDevice: "any" | "gpu";
         /**
-         * RunNew
          * @description A training to start. ``example`` first makes and ranks missing scripted demonstrations.
          *
          *     ``steps`` defaults to what the recipe proposes for the behaviour. With ``parent_run_id``, PPO
@@ -3325,44 +2630,24 @@ export interface components {
          *     training is cancelled if it is not over.
          */
         RunNew: {
-            /** Behaviour Id */
             behaviour_id: number;
-            /**
-             * Cancel Parent
-             * @default false
-             */
+            /** @default false */
             cancel_parent: boolean;
             /** @default any */
             device: components["schemas"]["RunDevice"];
-            /**
-             * Example
-             * @default false
-             */
+            /** @default false */
             example: boolean;
-            /**
-             * Go On Anyway
-             * @default false
-             */
+            /** @default false */
             go_on_anyway: boolean;
-            /** Learning Rate */
             learning_rate?: number | null;
-            /** Parent Run Id */
             parent_run_id?: string | null;
-            /**
-             * Recipe
-             * @default fast
-             */
+            /** @default fast */
             recipe: string;
-            /** Steps */
             steps?: number | null;
-            /**
-             * Training Seed
-             * @default 0
-             */
+            /** @default 0 */
             training_seed: number;
         };
         /**
-         * RunResults
          * @description All results of a training; parts that are missing yet are None or empty.
          *
          *     ``verdict`` is None until the training is over.
@@ -3376,110 +2661,74 @@ export interface components {
          */
         RunResults: {
             alarm: components["schemas"]["RewardAlarm"] | null;
-            /** Artifacts */
             artifacts: components["schemas"]["Artifact"][];
-            /** Attention */
             attention: components["schemas"]["AttentionMap"][];
             best_demonstration: components["schemas"]["Recording"] | null;
             blind: components["schemas"]["BlindResult"] | null;
             check: components["schemas"]["RankingCheck"] | null;
-            /** Comparison */
             comparison: components["schemas"]["ComparisonRow"][];
-            /** Further Comparison */
             further_comparison: components["schemas"]["ComparisonRow"][];
-            /** Games */
             games: components["schemas"]["EvaluationGame"][];
-            /** Judged */
             judged: components["schemas"]["JudgedGames"][];
-            /** Measures */
             measures: components["schemas"]["MeasureRow"][];
-            /** Percentiles */
             percentiles: components["schemas"]["RewardState"][];
-            /** Proposed */
             proposed: number[];
             run: components["schemas"]["Run"];
-            /** Shown Game */
             shown_game: number | null;
-            /** Summaries */
             summaries: components["schemas"]["PolicyGamesSummary"][];
             training_games: components["schemas"]["TrainingGames"] | null;
             verdict: components["schemas"]["Verdict"] | null;
         };
-        /**
-         * RunStage
-         * @description A stage of a run, with its label and summary on the page.
-         */
+        /** @description A stage of a run, with its label and summary on the page. */
         RunStage: {
-            /** Label */
             label: string;
             name: components["schemas"]["Stage"];
-            /** Summary */
             summary: string;
         };
         /**
-         * RunStatus
          * @description State of a run. STOPPED: it ended because the check of the ranking failed.
          * @enum {string}
          */
         RunStatus: "queued" | "running" | "cancelling" | "cancelled" | "stopped" | "failed" | "done";
-        /**
-         * RunUpdate
-         * @description Omitted fields stay; an empty text removes what was there.
-         */
+        /** @description Omitted fields stay; an empty text removes what was there. */
         RunUpdate: {
-            /** Name */
             name?: string | null;
-            /** Notes */
             notes?: string | null;
         };
         /**
-         * Settings
          * @description What a behaviour sets of its game; null leaves it as the game has it.
          *
          *     ``hidden`` are areas of the screen that learning does not see: left, top, right, bottom in
          *     pixels, the last two outside. ``options`` are those of the game's starts.
          */
         Settings: {
-            /** End Rule */
             end_rule?: string | null;
-            /** Hidden */
             hidden?: [
                 number,
                 number,
                 number,
                 number
             ][] | null;
-            /** Max Steps */
             max_steps?: number | null;
-            /**
-             * Options
-             * @default {}
-             */
+            /** @default {} */
             options: {
                 [key: string]: number;
             };
         };
         /**
-         * SharedPlaces
          * @description Where a worker finds the data, credentials included.
          *
          *     The file ``probe_path`` in the artifact store contains ``probe``: so a worker knows that what it
          *     finds at ``artifacts_url`` is the same store.
          */
         SharedPlaces: {
-            /** Artifacts Url */
             artifacts_url: string;
-            /** Database Url */
             database_url: string;
-            /** Jobs Database Url */
             jobs_database_url: string;
-            /** Probe */
             probe: string;
-            /** Probe Path */
             probe_path: string;
         };
         /**
-         * ShownMoment
          * @description A few seconds of a recording.
          *
          *     Attributes:
@@ -3488,28 +2737,17 @@ export interface components {
          *         n_frames: Its length.
          */
         ShownMoment: {
-            /** First Frame */
             first_frame: number;
-            /** N Frames */
             n_frames: number;
-            /** Recording Id */
             recording_id: number;
         };
-        /**
-         * ShownOrder
-         * @description An order that is shown, saved or not; ``with_next`` also asks which game to rank next.
-         */
+        /** @description An order that is shown, saved or not; ``with_next`` also asks which game to rank next. */
         ShownOrder: {
-            /** Tiers */
             tiers: number[][];
-            /**
-             * With Next
-             * @default false
-             */
+            /** @default false */
             with_next: boolean;
         };
         /**
-         * Source
          * @description Who played a recording.
          *
          *     VARIED: a game made for a ranking that lacks variety.
@@ -3517,13 +2755,11 @@ export interface components {
          */
         Source: "person" | "scripted" | "policy" | "varied";
         /**
-         * Stage
          * @description A stage of a run, in the order in which a run goes through them.
          * @enum {string}
          */
         Stage: "demonstrations" | "trajectories" | "reward" | "check" | "clone" | "imitator" | "evaluation" | "attention";
         /**
-         * State
          * @description How far Tril is with an order.
          *
          *     LEARNING: it learns to see the game. FAILED: it could not learn to. WAITING: too few games are
@@ -3532,7 +2768,6 @@ export interface components {
          */
         State: "learning" | "failed" | "waiting" | "watching" | "ready";
         /**
-         * StatementAnswer
          * @description What a person said of a statement that Tril made about a ranking.
          *
          *     Attributes:
@@ -3541,76 +2776,45 @@ export interface components {
          *         meant: Whether it is what they mean; else it is not.
          */
         StatementAnswer: {
-            /** Meant */
             meant: boolean;
-            /** Sentence */
             sentence: string;
-            /** Subjects */
             subjects: string[];
         };
-        /**
-         * StatementAnswerUpdate
-         * @description An answer to a statement; ``meant`` null takes back what was said of it before.
-         */
+        /** @description An answer to a statement; ``meant`` null takes back what was said of it before. */
         StatementAnswerUpdate: {
-            /** Meant */
             meant: boolean | null;
-            /** Sentence */
             sentence: string;
-            /** Subjects */
             subjects: string[];
         };
-        /**
-         * Storage
-         * @description Disk usage of the data folder by purpose; the cache is kept below its limit.
-         */
+        /** @description Disk usage of the data folder by purpose; the cache is kept below its limit. */
         Storage: {
-            /** Artifacts Bytes */
             artifacts_bytes: number;
-            /** Cache Bytes */
             cache_bytes: number;
-            /** Cache Limit Bytes */
             cache_limit_bytes: number;
-            /** Databases Bytes */
             databases_bytes: number;
-            /** Other Bytes */
             other_bytes: number;
         };
-        /**
-         * Strip
-         * @description The sizes in pixels of the moments of a film strip, and of the reduced ones below them.
-         */
+        /** @description The sizes in pixels of the moments of a film strip, and of the reduced ones below them. */
         Strip: {
-            /** Height */
             height: number;
-            /** Small Height */
             small_height: number;
-            /** Small Width */
             small_width: number;
-            /** Width */
             width: number;
         };
         /**
-         * System
          * @description State of the installation. ``data_bytes`` is the sum of the parts of ``storage``.
          *
          *     ``has_example`` tells whether a finished training ships with it.
          */
         System: {
-            /** Data Bytes */
             data_bytes: number;
-            /** Disk Free Bytes */
             disk_free_bytes: number;
-            /** Has Example */
             has_example: boolean;
-            /** Processes */
             processes: components["schemas"]["ProcessStatus"][];
             storage: components["schemas"]["Storage"];
-            /** Version */
             version: string;
         };
         /**
-         * TaughtGame
          * @description All that the page needs of a game.
          *
          *     ``held`` are the buttons of each action, as bits in the order of ``buttons``. ``default_keys``
@@ -3620,37 +2824,23 @@ export interface components {
          *     each by name with its title. What a game lacks is null, empty or false.
          */
         TaughtGame: {
-            /** Actions */
             actions: string[];
-            /** Attribution */
             attribution: string;
-            /** Buttons */
             buttons: string[];
-            /** Counters */
             counters: {
                 [key: string]: string;
             };
-            /** Default Keys */
             default_keys: {
                 [key: string]: string;
             };
-            /** End Rules */
             end_rules: components["schemas"]["NamedRule"][];
-            /** Ends */
             ends: components["schemas"]["NamedEnd"][];
-            /** Frame Rate Hz */
             frame_rate_hz: number;
-            /** Frames Per Step */
             frames_per_step: number;
-            /** Has Memory */
             has_memory: boolean;
-            /** Has Player */
             has_player: boolean;
-            /** Height */
             height: number;
-            /** Held */
             held: number[];
-            /** Hidden */
             hidden: [
                 number,
                 number,
@@ -3658,76 +2848,48 @@ export interface components {
                 number
             ][];
             items: components["schemas"]["Items"] | null;
-            /** Longest Steps */
             longest_steps: number;
-            /** Max Steps */
             max_steps: number;
-            /** Name */
             name: string;
-            /** Options */
             options: {
                 [key: string]: number[];
             };
-            /** Picture Url */
             picture_url: string;
-            /** Pixel Aspect */
             pixel_aspect: number;
-            /** Ready Made */
             ready_made: components["schemas"]["ReadyMade"][];
-            /** Saves States */
             saves_states: boolean;
             strip: components["schemas"]["Strip"];
-            /** Tallies */
             tallies: {
                 [key: string]: string;
             };
-            /** Things */
             things: {
                 [key: string]: string;
             };
-            /** Title */
             title: string;
-            /** Waits */
             waits: boolean;
-            /** Width */
             width: number;
         };
-        /**
-         * ThingInSight
-         * @description A thing in a step of a recording: its kind, and its box in pixels of the game.
-         */
+        /** @description A thing in a step of a recording: its kind, and its box in pixels of the game. */
         ThingInSight: {
-            /** Height */
             height: number;
-            /** Kind */
             kind: number;
-            /** Left */
             left: number;
-            /** Top */
             top: number;
-            /** Width */
             width: number;
         };
         /**
-         * Title
          * @description A game in brief. ``last_played_at`` is null for those that nobody here has played.
          *
          *     ``picture_url`` carries a version, so that it may be cached for ever.
          */
         Title: {
-            /** Last Played At */
             last_played_at: string | null;
-            /** N Behaviours */
             n_behaviours: number;
-            /** Name */
             name: string;
-            /** Picture Url */
             picture_url: string;
-            /** Title */
             title: string;
         };
         /**
-         * ToldStatement
          * @description What an order is about, in words.
          *
          *     Attributes:
@@ -3743,39 +2905,22 @@ export interface components {
          */
         ToldStatement: {
             contrast: components["schemas"]["ShownMoment"] | null;
-            /**
-             * Detail
-             * @default
-             */
+            /** @default  */
             detail: string;
-            /**
-             * Kinds
-             * @default []
-             */
+            /** @default [] */
             kinds: number[];
-            /** Probability */
             probability: number;
-            /** Sentence */
             sentence: string;
             shown: components["schemas"]["ShownMoment"] | null;
-            /**
-             * Subjects
-             * @default []
-             */
+            /** @default [] */
             subjects: string[];
         };
-        /**
-         * TrainingGames
-         * @description Greedy games from training starts that an imitator played after so many training steps.
-         */
+        /** @description Greedy games from training starts that an imitator played after so many training steps. */
         TrainingGames: {
-            /** Games */
             games: components["schemas"]["Recording"][];
-            /** Steps */
             steps: number;
         };
         /**
-         * Understanding
          * @description What Tril understands of an order.
          *
          *     ``progress`` is the share of what is done while it is learning to see the game or watching the
@@ -3784,93 +2929,55 @@ export interface components {
          *     is asked for, and where no game tells statements apart.
          */
         Understanding: {
-            /** Answers */
             answers: components["schemas"]["StatementAnswer"][];
             contradiction: components["schemas"]["ContradictingGames"] | null;
-            /** Is Sense */
             is_sense: boolean | null;
             next_game: components["schemas"]["NextGame"] | null;
-            /** Progress */
             progress: number;
             state: components["schemas"]["State"];
-            /** Statements */
             statements: components["schemas"]["UnderstoodStatement"][];
-            /** Values */
             values: {
                 [key: string]: number;
             };
         };
-        /**
-         * UnderstoodStatement
-         * @description A statement that fits an order; ``pictures`` are those of its things, if there are any.
-         */
+        /** @description A statement that fits an order; ``pictures`` are those of its things, if there are any. */
         UnderstoodStatement: {
             contrast: components["schemas"]["ShownMoment"] | null;
-            /**
-             * Detail
-             * @default
-             */
+            /** @default  */
             detail: string;
-            /**
-             * Kinds
-             * @default []
-             */
+            /** @default [] */
             kinds: number[];
-            /** Pictures */
             pictures: string[];
-            /** Probability */
             probability: number;
-            /** Sentence */
             sentence: string;
             shown: components["schemas"]["ShownMoment"] | null;
-            /**
-             * Subjects
-             * @default []
-             */
+            /** @default [] */
             subjects: string[];
         };
         /**
-         * Unit
          * @description What a value is counted in.
          * @enum {string}
          */
         Unit: "items" | "share" | "per_second" | "points" | "yes" | "seconds" | "count";
-        /**
-         * VariedGamesWish
-         * @description How many varied games are to be added; at most half of them are borrowed.
-         */
+        /** @description How many varied games are to be added; at most half of them are borrowed. */
         VariedGamesWish: {
-            /**
-             * Count
-             * @default 24
-             */
+            /** @default 24 */
             count: number;
         };
-        /**
-         * Verdict
-         * @description What came of a training, in words, and where to take the next step, if it is on a page.
-         */
+        /** @description What came of a training, in words, and where to take the next step, if it is on a page. */
         Verdict: {
-            /** Advice */
             advice: string;
-            /** Next Step */
             next_step: ("rank" | "teach" | "train" | "games") | null;
-            /** Sentence */
             sentence: string;
-            /**
-             * Tone
-             * @enum {string}
-             */
+            /** @enum {string} */
             tone: "good" | "fair" | "bad" | "none";
         };
         /**
-         * Verification
          * @description Whether a replay of the recording gave what was recorded.
          * @enum {string}
          */
         Verification: "pending" | "verified" | "failed";
         /**
-         * WantedAliens
          * @description Which aliens of the 6x6 grid a reward model infers to be wanted.
          *
          *     The lists have 36 members, row by row from the lowest, each row from the left.
@@ -3881,23 +2988,89 @@ export interface components {
          *         in_order: How surely an alien counts only once all on its left in its row are gone, 0 to 1.
          */
         WantedAliens: {
-            /** In Order */
             in_order: number[];
-            /** Labels */
             labels: number[];
         };
-        /**
-         * WorkerJoining
-         * @description A worker of another machine: its version of Tril and of the database's schema.
-         */
+        /** @description A worker of another machine: its version of Tril and of the database's schema. */
         WorkerJoining: {
-            /** Revision */
             revision: string;
-            /** Version */
             version: string;
         };
     };
-    responses: never;
+    responses: {
+        /** @description The request can't be read. */
+        400: {
+            headers: {
+                [name: string]: unknown;
+            };
+            content: {
+                "application/json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description Open the address that Tril printed first. */
+        401: {
+            headers: {
+                [name: string]: unknown;
+            };
+            content: {
+                "application/json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description You may not do this, or it comes from another site. */
+        403: {
+            headers: {
+                [name: string]: unknown;
+            };
+            content: {
+                "application/json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description It does not exist. */
+        404: {
+            headers: {
+                [name: string]: unknown;
+            };
+            content: {
+                "application/json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description The current state does not allow it. */
+        409: {
+            headers: {
+                [name: string]: unknown;
+            };
+            content: {
+                "application/json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description The body is too large. */
+        413: {
+            headers: {
+                [name: string]: unknown;
+            };
+            content: {
+                "application/json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description What was given can't be accepted. */
+        422: {
+            headers: {
+                [name: string]: unknown;
+            };
+            content: {
+                "application/json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description A part of Tril is not running or out of room. */
+        503: {
+            headers: {
+                [name: string]: unknown;
+            };
+            content: {
+                "application/json": components["schemas"]["Problem"];
+            };
+        };
+    };
     parameters: never;
     requestBodies: never;
     headers: never;
@@ -3925,69 +3098,13 @@ export interface operations {
                     "*/*": unknown;
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     list_audit: {
@@ -4012,60 +3129,12 @@ export interface operations {
                     "application/json": components["schemas"]["AuditEntry"][];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     list_behaviours: {
@@ -4090,69 +3159,13 @@ export interface operations {
                     "application/json": components["schemas"]["Behaviour"][];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     create_behaviour: {
@@ -4177,69 +3190,13 @@ export interface operations {
                     "application/json": components["schemas"]["Behaviour"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The current state does not allow it. */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            409: components["responses"]["409"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_behaviour: {
@@ -4262,69 +3219,13 @@ export interface operations {
                     "application/json": components["schemas"]["Behaviour"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     delete_behaviour: {
@@ -4345,78 +3246,14 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The current state does not allow it. */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            409: components["responses"]["409"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     update_behaviour: {
@@ -4443,78 +3280,14 @@ export interface operations {
                     "application/json": components["schemas"]["Behaviour"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The current state does not allow it. */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            409: components["responses"]["409"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     list_borrowed_games: {
@@ -4537,69 +3310,13 @@ export interface operations {
                     "application/json": components["schemas"]["Library"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     add_varied_games: {
@@ -4626,69 +3343,13 @@ export interface operations {
                     "application/json": components["schemas"]["Recording"][];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     give_game_back: {
@@ -4710,78 +3371,14 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The current state does not allow it. */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            409: components["responses"]["409"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_checklist: {
@@ -4804,69 +3401,13 @@ export interface operations {
                     "application/json": components["schemas"]["Checklist"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_ghost: {
@@ -4889,69 +3430,13 @@ export interface operations {
                     "application/json": components["schemas"]["Ghost"] | null;
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_library: {
@@ -4983,69 +3468,13 @@ export interface operations {
                     "application/json": components["schemas"]["Library"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     list_shown_recordings: {
@@ -5070,69 +3499,13 @@ export interface operations {
                     "application/json": components["schemas"]["Recording"][];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_ranking: {
@@ -5155,69 +3528,13 @@ export interface operations {
                     "application/json": components["schemas"]["Ranking"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     save_ranking: {
@@ -5244,42 +3561,10 @@ export interface operations {
                     "application/json": components["schemas"]["Ranking"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
             /** @description Somebody saved another ranking first. */
             409: {
                 headers: {
@@ -5289,33 +3574,9 @@ export interface operations {
                     "application/json": components["schemas"]["RankingConflict"];
                 };
             };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     list_statement_answers: {
@@ -5338,69 +3599,13 @@ export interface operations {
                     "application/json": components["schemas"]["StatementAnswer"][];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     answer_statement: {
@@ -5427,69 +3632,13 @@ export interface operations {
                     "application/json": components["schemas"]["StatementAnswer"][];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     add_games: {
@@ -5516,78 +3665,14 @@ export interface operations {
                     "application/json": components["schemas"]["Recording"][];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The current state does not allow it. */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            409: components["responses"]["409"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_ranking_opinion: {
@@ -5610,69 +3695,13 @@ export interface operations {
                     "application/json": components["schemas"]["RankingOpinion"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     redo_ranking: {
@@ -5699,42 +3728,10 @@ export interface operations {
                     "application/json": components["schemas"]["Ranking"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
             /** @description Somebody saved another ranking first. */
             409: {
                 headers: {
@@ -5744,118 +3741,9 @@ export interface operations {
                     "application/json": components["schemas"]["RankingConflict"];
                 };
             };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    list_ranking_revisions: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                behaviour_id: number;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["RankingRevision"][];
-                };
-            };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     list_things: {
@@ -5878,69 +3766,13 @@ export interface operations {
                     "application/json": components["schemas"]["NamedThings"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_thing_picture: {
@@ -5967,69 +3799,13 @@ export interface operations {
                     "image/png": unknown;
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     list_things_in_sight: {
@@ -6055,69 +3831,13 @@ export interface operations {
                     "application/json": components["schemas"]["ThingInSight"][];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     understand_ranking: {
@@ -6144,69 +3864,13 @@ export interface operations {
                     "application/json": components["schemas"]["Understanding"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     undo_ranking: {
@@ -6233,42 +3897,10 @@ export interface operations {
                     "application/json": components["schemas"]["Ranking"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
             /** @description Somebody saved another ranking first. */
             409: {
                 headers: {
@@ -6278,33 +3910,9 @@ export interface operations {
                     "application/json": components["schemas"]["RankingConflict"];
                 };
             };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     list_recordings: {
@@ -6334,69 +3942,13 @@ export interface operations {
                     "application/json": components["schemas"]["Recording"][];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     change_recordings: {
@@ -6421,78 +3973,14 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The current state does not allow it. */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            409: components["responses"]["409"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     export_recordings: {
@@ -6518,69 +4006,13 @@ export interface operations {
                     "application/x-ndjson": string;
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     export_chosen_recordings: {
@@ -6607,69 +4039,13 @@ export interface operations {
                     "application/x-ndjson": string;
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     import_recordings_file: {
@@ -6703,78 +4079,14 @@ export interface operations {
                     "application/json": components["schemas"]["ImportResult"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The current state does not allow it. */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            409: components["responses"]["409"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     restore_behaviour: {
@@ -6797,78 +4109,14 @@ export interface operations {
                     "application/json": components["schemas"]["Behaviour"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The current state does not allow it. */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            409: components["responses"]["409"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     list_browsers: {
@@ -6893,60 +4141,12 @@ export interface operations {
                     "application/json": components["schemas"]["Browser"][];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     sign_browser_out: {
@@ -6967,69 +4167,13 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     list_catalogue: {
@@ -7050,60 +4194,12 @@ export interface operations {
                     "application/json": components["schemas"]["Title"][];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_title: {
@@ -7126,69 +4222,13 @@ export interface operations {
                     "application/json": components["schemas"]["TaughtGame"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_title_picture: {
@@ -7211,69 +4251,13 @@ export interface operations {
                     "image/png": unknown;
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     stream_events: {
@@ -7294,60 +4278,12 @@ export interface operations {
                     "text/event-stream": string;
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     open_finished_example: {
@@ -7368,78 +4304,14 @@ export interface operations {
                     "application/json": components["schemas"]["Run"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The current state does not allow it. */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            409: components["responses"]["409"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     create_game: {
@@ -7464,78 +4336,14 @@ export interface operations {
                     "application/json": components["schemas"]["Game"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The current state does not allow it. */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            409: components["responses"]["409"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_game: {
@@ -7558,69 +4366,13 @@ export interface operations {
                     "application/json": components["schemas"]["Game"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     create_game_from: {
@@ -7647,78 +4399,14 @@ export interface operations {
                     "application/json": components["schemas"]["Game"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The current state does not allow it. */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            409: components["responses"]["409"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_health: {
@@ -7739,60 +4427,12 @@ export interface operations {
                     "application/json": components["schemas"]["Health"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     list_invitations: {
@@ -7817,60 +4457,12 @@ export interface operations {
                     "application/json": components["schemas"]["Invitation"][];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     create_invitation: {
@@ -7895,69 +4487,13 @@ export interface operations {
                     "application/json": components["schemas"]["NewInvitation"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     revoke_invitation: {
@@ -7978,69 +4514,13 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     list_keys: {
@@ -8061,60 +4541,12 @@ export interface operations {
                     "application/json": components["schemas"]["Key"][];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     create_key: {
@@ -8139,69 +4571,13 @@ export interface operations {
                     "application/json": components["schemas"]["NewKey"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The current state does not allow it. */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            409: components["responses"]["409"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     revoke_key: {
@@ -8222,69 +4598,13 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     list_people: {
@@ -8309,60 +4629,12 @@ export interface operations {
                     "application/json": components["schemas"]["Person"][];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     change_role: {
@@ -8387,78 +4659,14 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The current state does not allow it. */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            409: components["responses"]["409"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_player: {
@@ -8479,60 +4687,12 @@ export interface operations {
                     "application/json": components["schemas"]["Player"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     update_player: {
@@ -8557,60 +4717,12 @@ export interface operations {
                     "application/json": components["schemas"]["Player"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     list_recipes: {
@@ -8636,69 +4748,13 @@ export interface operations {
                     "application/json": components["schemas"]["Recipe"][];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_recording: {
@@ -8721,69 +4777,13 @@ export interface operations {
                     "application/json": components["schemas"]["Recording"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     delete_recording: {
@@ -8804,78 +4804,14 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The current state does not allow it. */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            409: components["responses"]["409"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     update_recording: {
@@ -8902,78 +4838,14 @@ export interface operations {
                     "application/json": components["schemas"]["Recording"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The current state does not allow it. */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            409: components["responses"]["409"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_recording_clip: {
@@ -9002,69 +4874,13 @@ export interface operations {
                     "video/mp4": unknown;
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_recording_course: {
@@ -9087,69 +4903,13 @@ export interface operations {
                     "application/json": components["schemas"]["RecordingCourse"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     discard_recording: {
@@ -9172,78 +4932,14 @@ export interface operations {
                     "application/json": components["schemas"]["Recording"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The current state does not allow it. */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            409: components["responses"]["409"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     export_recording: {
@@ -9266,69 +4962,13 @@ export interface operations {
                     "application/json": Record<string, never>;
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_recording_frames: {
@@ -9354,69 +4994,13 @@ export interface operations {
                     "application/octet-stream": unknown;
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     keep_recording: {
@@ -9439,78 +5023,14 @@ export interface operations {
                     "application/json": components["schemas"]["Recording"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The current state does not allow it. */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            409: components["responses"]["409"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_recording_memory: {
@@ -9536,69 +5056,13 @@ export interface operations {
                     "application/octet-stream": unknown;
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     restore_recording: {
@@ -9621,78 +5085,14 @@ export interface operations {
                     "application/json": components["schemas"]["Recording"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The current state does not allow it. */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            409: components["responses"]["409"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_recording_strip: {
@@ -9718,69 +5118,13 @@ export interface operations {
                     "image/webp": unknown;
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     list_runs: {
@@ -9808,69 +5152,13 @@ export interface operations {
                     "application/json": components["schemas"]["Run"][];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     create_run: {
@@ -9895,78 +5183,14 @@ export interface operations {
                     "application/json": components["schemas"]["Run"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The current state does not allow it. */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            409: components["responses"]["409"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_run: {
@@ -9989,69 +5213,13 @@ export interface operations {
                     "application/json": components["schemas"]["Run"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     delete_run: {
@@ -10072,78 +5240,14 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The current state does not allow it. */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            409: components["responses"]["409"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     update_run: {
@@ -10170,69 +5274,13 @@ export interface operations {
                     "application/json": components["schemas"]["Run"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_run_archive: {
@@ -10255,78 +5303,14 @@ export interface operations {
                     "application/zip": unknown;
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The current state does not allow it. */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            409: components["responses"]["409"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_attention: {
@@ -10356,69 +5340,13 @@ export interface operations {
                     "application/octet-stream": unknown;
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_blind_comparison: {
@@ -10441,69 +5369,13 @@ export interface operations {
                     "application/json": components["schemas"]["BlindComparison"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_blind_frames: {
@@ -10529,69 +5401,13 @@ export interface operations {
                     "application/octet-stream": unknown;
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     answer_blind: {
@@ -10618,78 +5434,14 @@ export interface operations {
                     "application/json": components["schemas"]["BlindComparison"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The current state does not allow it. */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            409: components["responses"]["409"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     cancel_run: {
@@ -10712,78 +5464,14 @@ export interface operations {
                     "application/json": components["schemas"]["Run"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The current state does not allow it. */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            409: components["responses"]["409"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_run_metrics: {
@@ -10808,69 +5496,13 @@ export interface operations {
                     "application/json": components["schemas"]["Metrics"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_run_page: {
@@ -10895,78 +5527,14 @@ export interface operations {
                     "text/html; charset=utf-8": unknown;
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The current state does not allow it. */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            409: components["responses"]["409"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     restore_run: {
@@ -10989,69 +5557,13 @@ export interface operations {
                     "application/json": components["schemas"]["Run"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_run_results: {
@@ -11074,69 +5586,13 @@ export interface operations {
                     "application/json": components["schemas"]["RunResults"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     resume_run: {
@@ -11159,78 +5615,14 @@ export interface operations {
                     "application/json": components["schemas"]["Run"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The current state does not allow it. */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            409: components["responses"]["409"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_reward_trace: {
@@ -11254,69 +5646,13 @@ export interface operations {
                     "application/json": components["schemas"]["RewardTrace"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     sign_out: {
@@ -11335,69 +5671,13 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description It does not exist. */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     get_system: {
@@ -11418,60 +5698,12 @@ export interface operations {
                     "application/json": components["schemas"]["System"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
     let_worker_in: {
@@ -11496,69 +5728,13 @@ export interface operations {
                     "application/json": components["schemas"]["SharedPlaces"];
                 };
             };
-            /** @description The request can't be read. */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Open the address that Tril printed first. */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description You may not do this, or it comes from another site. */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The current state does not allow it. */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too large. */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description What was given can't be accepted. */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A part of Tril is not running or out of room. */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Problem"];
-                };
-            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            409: components["responses"]["409"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
         };
     };
 }
