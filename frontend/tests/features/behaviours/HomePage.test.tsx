@@ -156,7 +156,7 @@ describe("the first page", () => {
       ],
     });
     show(<HomePage />);
-    const [card] = await screen.findAllByRole("article");
+    const card = await screen.findByRole("article");
     expect(within(card).getByText("12 recordings, 12 ranked, 3 starred, 1 run")).toBeVisible();
     expect(await within(card).findByText("Imitator hits 1.7 of 2 (1.3 to 2.0)")).toBeVisible();
     expect(screen.queryByRole("link", { name: "Play your first game" })).toBeNull();
@@ -173,7 +173,7 @@ describe("the first page", () => {
       ],
     });
     show(<HomePage />);
-    const [card] = await screen.findAllByRole("article");
+    const card = await screen.findByRole("article");
     expect(await within(card).findByText(/^Imitator hits 1\.7 of 2/)).toBeVisible();
   });
 
