@@ -262,6 +262,20 @@ describe("what a result says", () => {
     expect(figures[0]?.others).toEqual([{ actor: "person", text: "15.0", interval: null }]);
   });
 
+  it("writes a share of the time in no more room than a figure has", () => {
+    const measure = { kind: "rate", button: "left", per: "time", at_least: 0.9 } as const;
+    const mean = (value: number) => ({ mean: value, n: 23, n_met: 20 });
+    const shown = results(ONE, {
+      measures: [
+        { measure, unit: "share", imitator: mean(0.98), clone: mean(0.9), person: mean(0.68) },
+      ],
+    });
+    const [first] = figuresOf(shown, behaviour({ target: null }), SPACE_INVADERS);
+    expect(first?.name).toMatch(/held: at least 90% of the time$/);
+    expect(first?.value).toBe("98%");
+    expect(first?.others.map(({ text }) => text)).toEqual(["90%", "68%"]);
+  });
+
   it("has the blind comparison first where nothing measures the behaviour, else second", () => {
     const blind = {
       wins: 6.5,

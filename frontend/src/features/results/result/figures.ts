@@ -1,9 +1,9 @@
 /** The few figures that a result opens with. */
 import { t } from "@lingui/core/macro";
 
-import type { Behaviour, Interval, RunResults, TaughtGame } from "@/api/types";
+import type { Behaviour, Interval, Measure, RunResults, TaughtGame } from "@/api/types";
 import { summaryRows } from "@/features/results/games/summary-rows";
-import { meanValue, measureSentence } from "@/games/measures";
+import { meanValue, measureSentence, unitOf } from "@/games/measures";
 import type { Actor } from "@/lib/actors";
 import { fixed, percent } from "@/lib/format";
 
@@ -94,18 +94,23 @@ function measureFigures({ measures }: RunResults, game: TaughtGame): Figure[] {
       ? [
           {
             name: measureSentence(measure, game),
-            value: meanValue(imitator.mean, measure),
+            value: shortMean(imitator.mean, measure),
             others: [
               { actor: "clone" as const, mean: clone },
               { actor: "person" as const, mean: person },
             ].flatMap(({ actor, mean }) =>
-              mean ? [{ actor, text: meanValue(mean.mean, measure), interval: null }] : [],
+              mean ? [{ actor, text: shortMean(mean.mean, measure), interval: null }] : [],
             ),
             plot: null,
           },
         ]
       : [],
   );
+}
+
+/** Writes a mean in as little room as a figure has: its name says that a share is of the time. */
+function shortMean(mean: number, measure: Measure): string {
+  return unitOf(measure) === "share" ? percent(mean, 0) : meanValue(mean, measure);
 }
 
 function agreement({ check }: RunResults): Figure[] {
