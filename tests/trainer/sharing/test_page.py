@@ -16,7 +16,7 @@ from PIL import Image
 from testsupport.finished_runs import make_finished_run
 from testsupport.workplace import Workplace
 from trainer.sharing import page as sharing
-from trainer.sharing.films import DeadlinePassed, Film
+from trainer.sharing.films import DeadlinePassed, Film, film_of
 from trainer.sharing.page import MAX_BYTES, Parts, SharePage, make_share_page
 from tril.errors import Conflict, Invalid
 from tril.files.artifact_store import ArtifactStore
@@ -241,7 +241,7 @@ def test_ranked_games_that_take_too_long_are_left_out_and_it_says_so(
     workplace: Workplace, run_id: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     replayed = 0
-    make = sharing.film_of
+    make = film_of
 
     def slow(*arguments: Any, **options: Any) -> Film:
         nonlocal replayed
