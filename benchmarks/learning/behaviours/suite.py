@@ -55,6 +55,21 @@ def _between(byte: int, low: int, high: int) -> Worth:
     return _share(lambda m: (m[:, byte] >= low) & (m[:, byte] <= high))
 
 
+def _tia_position(byte: int) -> Callable[[Memory], npt.NDArray[np.int64]]:
+    """Return what reads a horizontal position as a 2600 keeps it for its TIA, in pixels.
+
+    The low nibble counts steps of 15 pixels, the high one is what is taken off, in two's complement.
+    """
+
+    def position(memory: Memory) -> npt.NDArray[np.int64]:
+        value = memory[:, byte].astype(np.int64)
+        fine = ((value >> 4) ^ 8) - 8
+        read: npt.NDArray[np.int64] = 15 * ((value & 15) + 1) - fine
+        return read
+
+    return position
+
+
 def _level(one: int, other: int, within: int, offset: int = 0) -> Worth:
     return _share(
         lambda m: np.abs(m[:, one].astype(int) - m[:, other].astype(int) - offset) <= within
@@ -113,6 +128,24 @@ def _towards(byte: int, low: int, high: int) -> Worth:
         return nearness
 
     return guide
+
+
+def _tia_place(game: str, name: str, byte: int, low: int, high: int, half: str) -> Task:
+    """Return the behaviour of keeping a place from low to high pixels, as the TIA is told it."""
+    position = _tia_position(byte)
+
+    def guide(memory: Memory, held: npt.NDArray[np.int64]) -> npt.NDArray[np.float64]:
+        x = position(memory).astype(float)
+        nearness: npt.NDArray[np.float64] = -np.abs(x - x.clip(low, high)) / 255
+        return nearness
+
+    return Task(
+        game,
+        name,
+        _share(lambda m: (position(m) >= low) & (position(m) <= high)),
+        half,
+        guide,
+    )
 
 
 def _apart(one: int, other: int, offset: int = 0) -> Worth:
@@ -192,6 +225,6 @@ TASKS: tuple[Task, ...] = (
     Task("ms_pacman", "eat dots", _rises(119), REPORT),
     _place("riverraid", "left bank", 51, 0, 70, REPORT),
     Task("riverraid", "never shoot", _no_button(0), REPORT),
-    _place("demon_attack", "stay right", 22, 110, 255, REPORT),
-    _place("demon_attack", "stay left", 22, 0, 60, REPORT),
+    _tia_place("demon_attack", "stay right", 16, 100, 160, REPORT),
+    _tia_place("demon_attack", "stay left", 16, 0, 60, REPORT),
 )
