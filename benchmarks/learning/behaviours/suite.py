@@ -58,7 +58,7 @@ def _between(byte: int, low: int, high: int) -> Worth:
 def _tia_position(byte: int) -> Callable[[Memory], npt.NDArray[np.int64]]:
     """Return what reads a horizontal position as a 2600 keeps it for its TIA, in pixels.
 
-    The low nibble counts steps of 15 pixels, the high one is what is taken off, in two's complement.
+    The low nibble counts steps of 15 pixels; the high one, in two's complement, is taken off.
     """
 
     def position(memory: Memory) -> npt.NDArray[np.int64]:
