@@ -18,7 +18,7 @@ def test_a_ready_made_behaviour_is_taken_played_and_checked(
     with signed_in(browser, built, "/games/pong", viewport=DESKTOP) as page:
         page.get_by_role("button", name="Teach Stay up").click()
         dialog = page.get_by_role("dialog")
-        asked = "Green paddle in the area 0, 0 to 160, 114: at least 90% of the time"
+        asked = "Green paddle in the upper 54% of the screen: at least 90% of the time"
         measure = dialog.get_by_role("group", name=asked)
         expect(measure).to_be_visible()
         expect(measure.get_by_role("button", name="Area 1")).to_be_visible()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tril.games.base import EndKind, Game
+from tril.games.base import EndKind, Game, Rectangle, ScreenSpec
 from tril.games.behaviours import Behaviour, score
 from tril.games.measures import (
     ActionRate,
@@ -75,9 +75,8 @@ def _name(measure: Measure, game: Game) -> str:
     if isinstance(measure, ItemsInOrder):
         return "Taken in their order"
     if isinstance(measure, InRegion):
-        area, thing = measure.area, _thing(measure.thing, game)
-        corners = f"{area.left}, {area.top} to {area.right}, {area.bottom}"
-        return _capitalised(f"{thing} in the area {corners}")
+        part = _part_of_screen(measure.area, game.screen)
+        return _capitalised(f"{_thing(measure.thing, game)} in the {part}")
     if isinstance(measure, Near):
         where = {Axes.X: " sideways", Axes.Y: " in height", Axes.BOTH: ""}[measure.axes]
         first, other = _thing(measure.thing, game), _thing(measure.other, game)
@@ -91,6 +90,22 @@ def _name(measure: Measure, game: Game) -> str:
     if isinstance(measure, GameScore):
         return "Score"
     return {"alive": "Alive at the end", "length": "Length of the game"}[measure.kind]
+
+
+def _part_of_screen(area: Rectangle, screen: ScreenSpec) -> str:
+    """Return which part of the screen an area is where it ends at three edges, else its corners."""
+    is_high = area.top <= 0 and area.bottom >= screen.height
+    is_wide = area.left <= 0 and area.right >= screen.width
+    side, share = "", 0.0
+    if is_high and not is_wide:
+        side = "left" if area.left <= 0 else "right" if area.right >= screen.width else ""
+        share = (area.right - area.left) / screen.width
+    elif is_wide and not is_high:
+        side = "upper" if area.top <= 0 else "lower" if area.bottom >= screen.height else ""
+        share = (area.bottom - area.top) / screen.height
+    if side:
+        return f"{side} {share:.0%} of the screen"
+    return f"area {area.left}, {area.top} to {area.right}, {area.bottom}"
 
 
 def _capitalised(text: str) -> str:

@@ -68,7 +68,7 @@ export function unitOf({ kind, per }: Measure): Unit {
   }
 }
 
-/** Names what is measured: "Ball in the area 0, 34 to 160, 114". */
+/** Names what is measured: "Ball in the left 49% of the screen". */
 export function measureName(measure: Measure, game: TaughtGame): string {
   switch (measure.kind) {
     case "items":
@@ -77,8 +77,7 @@ export function measureName(measure: Measure, game: TaughtGame): string {
       return t`Taken in their order`;
     case "region": {
       const thing = capitalised(thingTitle(measure.thing ?? "", game));
-      const [left, top, right, bottom] = measure.area ?? [0, 0, 0, 0];
-      return t`${thing} in the area ${left}, ${top} to ${right}, ${bottom}`;
+      return regionName(thing, measure.area ?? [0, 0, 0, 0], game);
     }
     case "nearness":
       return nearnessName(measure, game);
@@ -95,6 +94,21 @@ export function measureName(measure: Measure, game: TaughtGame): string {
       return capitalised(title ?? measure.counter ?? "");
     }
   }
+}
+
+/** Says which part of the screen an area is where it ends at three edges, else its corners. */
+function regionName(thing: string, area: readonly number[], game: TaughtGame): string {
+  const [left = 0, top = 0, right = 0, bottom = 0] = area;
+  const { width, height } = game;
+  const high = top <= 0 && bottom >= height;
+  const wide = left <= 0 && right >= width;
+  const across = percent((right - left) / width, 0);
+  const down = percent((bottom - top) / height, 0);
+  if (high && !wide && left <= 0) return t`${thing} in the left ${across} of the screen`;
+  if (high && !wide && right >= width) return t`${thing} in the right ${across} of the screen`;
+  if (wide && !high && top <= 0) return t`${thing} in the upper ${down} of the screen`;
+  if (wide && !high && bottom >= height) return t`${thing} in the lower ${down} of the screen`;
+  return t`${thing} in the area ${left}, ${top} to ${right}, ${bottom}`;
 }
 
 function itemsName({ cells }: Measure, game: TaughtGame): string {

@@ -22,6 +22,22 @@ describe("the sentence of a measure", () => {
   it.each<[Measure, string]>([
     [UP, "Green paddle in the area 0, 34 to 160, 114: at least 90% of the time"],
     [
+      { ...UP, area: [0, 0, 160, 105] },
+      "Green paddle in the upper 50% of the screen: at least 90% of the time",
+    ],
+    [
+      { ...UP, area: [0, 105, 160, 210] },
+      "Green paddle in the lower 50% of the screen: at least 90% of the time",
+    ],
+    [
+      { ...UP, area: [0, 0, 40, 210] },
+      "Green paddle in the left 25% of the screen: at least 90% of the time",
+    ],
+    [
+      { ...UP, area: [120, 0, 160, 210] },
+      "Green paddle in the right 25% of the screen: at least 90% of the time",
+    ],
+    [
       { kind: "nearness", thing: "player", other: "ball", distance_px: 12, axes: "y" },
       "Green paddle and ball at most 12 px apart in height",
     ],
