@@ -47,7 +47,8 @@ def screens(recording: Recording) -> npt.NDArray[np.uint8]:
 def clip(client: TestClient, recording_id: int, kind: str) -> bytes:
     answer = client.get(f"/api/recordings/{recording_id}/clip.{kind}")
     assert answer.status_code == 200, answer.text
-    name = f'filename="recording-{recording_id}.{kind}"'
+    number = client.get(f"/api/recordings/{recording_id}").json()["number"]
+    name = f'filename="column-1-recording-{number}.{kind}"'
     assert name in answer.headers["content-disposition"]
     return answer.content
 

@@ -62,12 +62,14 @@ def test_a_game_goes_on_from_where_the_player_releases_and_both_branches_are_kep
     assert (before["state"], before["verification"]) == ("kept", "verified")
     assert before["n_frames"] >= 150
     assert before["parent"] is None
-    assert after["parent"] == {"recording_id": before["id"], "frame": rewound.frame}
+    parent = {"recording_id": before["id"], "number": before["number"], "frame": rewound.frame}
+    assert after["parent"] == parent
     one, other = live.row(before["id"]).actions, live.row(after["id"]).actions
     assert one[: rewound.frame] == other[: rewound.frame]
     assert one[rewound.frame :][:60] != other[rewound.frame :][:60]
     course = live.http.get(f"/api/recordings/{before['id']}/course").json()
-    assert course["branches"] == [{"recording_id": after["id"], "frame": rewound.frame}]
+    branch = {"recording_id": after["id"], "number": after["number"], "frame": rewound.frame}
+    assert course["branches"] == [branch]
 
 
 def test_the_whole_game_can_be_rewound(live: LiveServer) -> None:
@@ -120,7 +122,12 @@ def test_rewinding_twice_without_playing_keeps_one_branch(live: LiveServer) -> N
         assert third.recording_id > first.recording_id
         ended = player.stop()
     middle = live.recording(third.recording_id)
-    assert middle["parent"] == {"recording_id": first.recording_id, "frame": second.frame}
+    number = live.recording(first.recording_id)["number"]
+    assert middle["parent"] == {
+        "recording_id": first.recording_id,
+        "number": number,
+        "frame": second.frame,
+    }
     assert live.recording(ended.recording_id)["parent"]["recording_id"] == middle["id"]
 
 
@@ -202,7 +209,12 @@ def test_a_game_can_go_on_from_a_recording(live: LiveServer) -> None:
         ended = player.stop()
     assert ended.verification == "verified"
     after = live.recording(ended.recording_id)
-    assert after["parent"] == {"recording_id": parent.recording_id, "frame": 100}
+    number = live.recording(parent.recording_id)["number"]
+    assert after["parent"] == {
+        "recording_id": parent.recording_id,
+        "number": number,
+        "frame": 100,
+    }
     assert after["slowest_percent"] == 75
     assert live.recording(parent.recording_id)["n_frames"] == parent.frame
 
