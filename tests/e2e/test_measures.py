@@ -23,7 +23,7 @@ def test_a_ready_made_behaviour_is_taken_played_and_checked(
         expect(measure).to_be_visible()
         expect(measure.get_by_role("button", name="Area 1")).to_be_visible()
         dialog.get_by_role("button", name="Measure something").click()
-        added = dialog.get_by_role("group", name=re.compile("Green paddle in the area 0, 0 to 8"))
+        added = dialog.get_by_role("group", name=re.compile("Green paddle in the left 50%"))
         added.get_by_label("What is measured").select_option("How long the game lasts")
         dialog.get_by_label("At least, seconds").fill("1")
         dialog.get_by_role("button", name="Create behaviour").click()

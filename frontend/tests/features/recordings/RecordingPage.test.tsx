@@ -212,7 +212,7 @@ describe("the page of a recording", () => {
     URL.createObjectURL = () => "blob:clip";
     const asked = page();
     await userEvent.click(await screen.findByRole("button", { name: "GIF" }));
-    await waitFor(() => expect(saved).toEqual(["recording-1.gif blob:clip"]));
+    await waitFor(() => expect(saved).toEqual(["column-1-recording-1.gif blob:clip"]));
     expect(asked.find(({ path }) => path.endsWith("clip.gif"))?.query.get("v")).toBe("1");
     await userEvent.click(await screen.findByRole("button", { name: "MP4" }));
     expect(await screen.findByText("Several clips are being made already.")).toBeVisible();
