@@ -167,4 +167,4 @@ def test_a_video_and_the_data_are_downloaded(page: Page, shared_workplace: Workp
         assert sum(1 for _ in video.decode(video=0)) == FRAMES + 1
     with page.expect_download() as download:
         page.get_by_role("link", name="Data (JSON)").click()
-    assert download.value.suggested_filename == f"recording-{best}.json"
+    assert download.value.suggested_filename == f"column-1-recording-{best}.json"
