@@ -28,7 +28,13 @@ from tril.recording import Recording
 
 N_SHOWN = 4
 """Ranked games that a page shows, from the best to the worst."""
+SCALE = 2
+"""Enlargement of their moments."""
 CLIP_S = 10
+LEAST_TOLD = 0.01
+"""Probability of a statement that a page tells."""
+ALIKE = 0.02
+"""Share of the best efforts by which imitator and clone may differ and count as equal."""
 PLAYERS = {"best_effort": "best effort", "imitator": "imitator", "clone": "clone"}
 """Whose games a page shows as clips, with what it calls them."""
 
@@ -49,7 +55,8 @@ def order_picture(recordings: Sequence[Recording], console: Console) -> bytes:
             np.asarray(sheet)[begin : begin + size.small_height, :width]
             for begin in range(top, sheet.height, size.small_height)
         ]
-        rows.append(np.concatenate(lines, axis=1))
+        row = np.concatenate(lines, axis=1)
+        rows.append(row.repeat(SCALE, axis=0).repeat(SCALE, axis=1))
     file = io.BytesIO()
     Image.fromarray(np.concatenate(rows)).save(file, "WEBP", lossless=True, quality=80, method=6)
     return file.getvalue()
@@ -134,7 +141,11 @@ class BehaviourPage:
     def told(self) -> list[tuple[str, str]]:
         """What Tril said: share and sentence."""
         pairs = [one.split(" ", 1) for one in self._kept["told"]]
-        return [(f"{float(share):.0%}", sentence) for share, sentence in pairs]
+        return [
+            (f"{float(share):.0%}", sentence)
+            for share, sentence in pairs
+            if float(share) >= LEAST_TOLD
+        ]
 
     @property
     def figures(self) -> list[tuple[str, float, str]]:
@@ -152,10 +163,12 @@ class BehaviourPage:
         """What came of it, in a sentence."""
         imitator, clone = self._kept["imitator"]["worth"], self._kept["clone"]["worth"]
         best = self._kept["best_efforts"]
-        beside = "more" if imitator > clone else "not more"
+        beside = "as much as"
+        if abs(imitator - clone) >= ALIKE * best:
+            beside = "more than" if imitator > clone else "less than"
         return (
-            f"**The imitator reaches {imitator / best:.0%} of the best efforts, {beside} than its"
-            f" clone ({clone / best:.0%}).**"
+            f"**The imitator reaches {imitator / best:.0%} of the best efforts, {beside} its clone"
+            f" ({clone / best:.0%}).**"
         )
 
     def _worth(self, worth: float) -> str:
