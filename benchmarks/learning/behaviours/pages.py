@@ -183,6 +183,28 @@ EVENTS = ("left tunnel", "collect divers", "hit him", "miss the ball", "cross", 
 """Behaviours whose worth is a number of events."""
 
 
+def index_of(pages: Sequence[BehaviourPage]) -> str:
+    """Return the page that leads to those of the behaviours, in Markdown."""
+    links = [f"- [{page.title}]({page.name}.md): {page.verdict}" for page in pages]
+    names = [page.name for page in pages]
+    return "\n".join(
+        [
+            "# Behaviours, one by one",
+            "",
+            "What was ranked, what Tril said and what is played, with clips, written by"
+            " `python -m benchmarks.learning.behaviours.pages FOLDER`.",
+            "",
+            *links,
+            "",
+            "```{toctree}",
+            ":hidden:",
+            *names,
+            "```",
+            "",
+        ]
+    )
+
+
 def main() -> None:
     """Write the pages."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
@@ -193,6 +215,7 @@ def main() -> None:
     kept = [json.loads(one.read_text()) for one in sorted(arguments.folder.glob("*.trained.json"))]
     kept = [one for one in kept if one["seed"] == arguments.seed]
     arguments.output.mkdir(parents=True, exist_ok=True)
+    pages: list[BehaviourPage] = []
     for row in kept:
         if row["recipe"] != "any":
             continue
@@ -204,7 +227,9 @@ def main() -> None:
         ]
         page = BehaviourPage(row, others)
         page.write(arguments.output)
+        pages.append(page)
         print(f"{page.title}: {page.verdict}", flush=True)
+    (arguments.output / "README.md").write_text(index_of(pages), encoding="utf-8")
 
 
 if __name__ == "__main__":
