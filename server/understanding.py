@@ -200,10 +200,7 @@ class OrderReader:
             ),
             is_sense=understood.is_sense,
             values=values,
-            # By what is told first: an average of unlikely statements contradicts nothing.
-            contradiction=strongest_contradiction(
-                order, dict(zip(keys, understood.first_values, strict=False))
-            ),
+            contradiction=strongest_contradiction(order, values),
             next_game=telling and replace(telling, game=others[telling.game]),
         )
 
@@ -263,10 +260,8 @@ def strongest_contradiction(order: Order, values: Mapping[int, float]) -> Contra
 
     Args:
         order: Ids of games in tiers, the best first.
-        values: Values of the games by a statement, in log odds; empty without one.
+        values: Values of the games, in log odds.
     """
-    if not values:
-        return None
     largest_gap, pair = LEAST_CONTRADICTION, None
     lowest_above: int | None = None
     # Of the games above, the one of least value contradicts most.

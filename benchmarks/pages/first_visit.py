@@ -47,7 +47,7 @@ CLEARNESS_OF_SIX = (1.0, 0.8, 0.6, 0.4, 0.2, 0.0)
 NONSENSE = (0, 5, 1, 4, 2, 3)
 """An order of six games, as places in their right order."""
 PICTURE = "canvas => canvas.toDataURL()"
-DOUBT = re.compile("may be chance|contradict the first most")
+DOUBT = re.compile("may be chance|contradict it most")
 
 
 @dataclass(frozen=True)
@@ -219,7 +219,7 @@ def mend(visit: Visit, right: Sequence[int]) -> int:
     """
     page = visit.page
     panel = page.get_by_role("region", name="What Tril understood")
-    named = panel.get_by_text("contradict the first most")
+    named = panel.get_by_text("contradict it most")
     for n_drags in range(MOST_CORRECTIONS):
         settle(panel)
         if not named.count():

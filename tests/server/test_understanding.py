@@ -14,7 +14,3 @@ def test_the_games_that_are_furthest_the_wrong_way_round_are_named() -> None:
 
 def test_games_that_are_nearly_alike_contradict_nothing() -> None:
     assert strongest_contradiction(ORDER, {1: 1.0, 2: 1.5, 3: 0.0, 4: 0.9}) is None
-
-
-def test_without_a_statement_nothing_is_contradicted() -> None:
-    assert strongest_contradiction(ORDER, {}) is None

@@ -163,14 +163,12 @@ class Understood:
         statements: The most probable first; none if the answers exclude all.
         is_sense: Whether they explain the order better than all shuffled ones.
         values: Value of each game, in log odds.
-        first_values: The same by the most probable statement alone; none without one.
         next_game: The unranked game that tells statements apart best; None if none does.
     """
 
     statements: tuple[Told, ...]
     is_sense: bool
     values: tuple[float, ...]
-    first_values: tuple[float, ...] = ()
     next_game: NextGame | None = None
 
 
@@ -267,7 +265,6 @@ def _understand(request: UnderstandRequest) -> Understood:
         ),
         not shuffles_as_good(*order),
         tuple(understanding.value(summaries).tolist()),
-        tuple(understanding.values_by(tellings[0].statement, summaries).tolist()),
         next_game(
             understanding,
             tellings,

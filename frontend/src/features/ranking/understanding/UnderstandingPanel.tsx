@@ -186,7 +186,7 @@ function Situation({ told, error }: { told: Understanding | undefined; error: un
   }
 }
 
-/** Warns of an order that may be chance, and names the games that contradict what is told first. */
+/** Warns of an order that may be chance, and names the games that contradict it most. */
 function Doubt({ told: { is_sense: isSense, contradiction } }: { told: Understanding }) {
   const nameOf = useRecordingName();
   if (isSense === null || (isSense && !contradiction)) return null;
@@ -207,8 +207,8 @@ function Doubt({ told: { is_sense: isSense, contradiction } }: { told: Understan
         {contradiction && (
           <p>
             <Trans>
-              These two contradict the first most: {better} is ranked above {worse}, which has more
-              of it.
+              These two contradict it most: {better} is ranked above {worse}, which has more of what
+              the better games have.
             </Trans>
           </p>
         )}
