@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
 
@@ -142,6 +142,9 @@ def test_the_code_accepts_what_the_schema_accepts(
         content.pop(key, None)
         if isinstance(content.get("start"), dict):
             content["start"].pop(key, None)
+    # The code reads version 1, too; the schema is today's.
+    version = content.get("version")
+    assume(isinstance(version, bool) or version != 1)
     # "$" in a schema is the very end, which Python's re reads as "or before a last newline".
     patterned = [k for k, v in recording_schema()["properties"].items() if "pattern" in v]
     strict = not any(str(content.get(key, "")).endswith("\n") for key in patterned)
