@@ -75,7 +75,7 @@ describe("building a measure", () => {
     await userEvent.click(screen.getByRole("button", { name: "Measure something" }));
     const measure = within(
       screen.getByRole("group", {
-        name: "Green paddle in the area 0, 0 to 80, 210: at least 90% of the time",
+        name: "Green paddle in the left 50% of the screen: at least 90% of the time",
       }),
     );
     await userEvent.selectOptions(measure.getByLabelText("Thing"), "Ball");
