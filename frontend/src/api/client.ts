@@ -121,6 +121,21 @@ export async function fetchFile(
   return response;
 }
 
+/** Fetches a file under the name that the server gives it, or else the last part of its path. */
+export async function fetchNamedFile(url: string): Promise<File> {
+  const response = await fetchFile(url);
+  const { pathname } = new URL(url, location.href);
+  const name = fileNameOf(response) ?? pathname.slice(pathname.lastIndexOf("/") + 1);
+  const type = response.headers.get("Content-Type") ?? "";
+  return new File([await received(response.arrayBuffer())], name, { type });
+}
+
+/** The file name in a response's Content-Disposition header, which the server quotes, or null. */
+function fileNameOf(response: Response): string | null {
+  const disposition = response.headers.get("Content-Disposition") ?? "";
+  return /;\s*filename="([^"]+)"/i.exec(disposition)?.[1] ?? null;
+}
+
 /** Parses a response's JSON body; null if it has none. */
 export async function bodyOf(response: Response): Promise<unknown> {
   try {

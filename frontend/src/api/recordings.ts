@@ -2,7 +2,16 @@ import { queryOptions } from "@tanstack/react-query";
 
 import { RecordedFrames } from "@/lib/game/codec";
 
-import { api, bodyOf, fetchBytes, PATIENT_MS, problemOf, trackedFetch, unwrap } from "./client";
+import {
+  api,
+  bodyOf,
+  fetchBytes,
+  fetchNamedFile,
+  PATIENT_MS,
+  problemOf,
+  trackedFetch,
+  unwrap,
+} from "./client";
 import type { ImportResult, Recording, RecordingsChange, RecordingUpdate } from "./types";
 
 /** The games of a behaviour that ended and were neither kept nor discarded, newest first. */
@@ -147,8 +156,8 @@ export function recordingExportUrl(recordingId: number): string {
 export type ClipKind = "gif" | "webp" | "mp4";
 
 /** Fetches a recording as a clip; the server takes seconds to encode it the first time. */
-export async function fetchClip(recording: Recording, kind: ClipKind): Promise<Blob> {
-  return new Blob([await fetchBytes(clipUrl(recording, kind))]);
+export function fetchClip(recording: Recording, kind: ClipKind): Promise<File> {
+  return fetchNamedFile(clipUrl(recording, kind));
 }
 
 function clipUrl({ id, frames_url }: Recording, kind: ClipKind): string {

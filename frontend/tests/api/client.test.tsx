@@ -1,6 +1,6 @@
 import { afterEach, describe, expect, it, vi } from "vitest";
 
-import { api, fetchBytes, isPassing, unwrap } from "@/api/client";
+import { api, fetchBytes, fetchNamedFile, isPassing, unwrap } from "@/api/client";
 import { connection } from "@/api/connection";
 
 /** Time limits that the test lets expire. */
@@ -67,5 +67,19 @@ describe("a body that stops coming", () => {
     await expect(fetchBytes("/api/recordings/1/frames")).rejects.toMatchObject({
       name: "UnreachableError",
     });
+  });
+});
+
+describe("a named file", () => {
+  it.each([
+    ["the server", { "Content-Disposition": 'attachment; filename="left-3.gif"' }, "left-3.gif"],
+    ["its path where the server gives no name", {}, "clip.gif"],
+  ])("is named by %s", async (_case, disposition, name) => {
+    const headers = new Headers({ "Content-Type": "image/gif", ...disposition });
+    vi.stubGlobal("fetch", () => Promise.resolve(new Response("GIF89a", { headers })));
+    const file = await fetchNamedFile("/api/recordings/3/clip.gif?v=1");
+    expect(file.name).toBe(name);
+    expect(file.type).toBe("image/gif");
+    expect(file.size).toBe(6);
   });
 });

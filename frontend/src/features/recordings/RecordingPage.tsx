@@ -117,7 +117,7 @@ export function RecordingPage({
             <h3>
               <Trans>Download</Trans>
             </h3>
-            <Downloads recording={recording} behaviour={behaviour} />
+            <Downloads recording={recording} />
           </section>
           {course.data && <Conditions course={course.data} />}
         </aside>

@@ -82,7 +82,10 @@ function page(
     },
     "GET /api/recordings/1/course": () => course(of),
     "GET /api/recordings/1/memory": memory,
-    "GET /api/recordings/1/clip.gif": () => new ArrayBuffer(8),
+    "GET /api/recordings/1/clip.gif": () => {
+      const disposition = 'attachment; filename="column-1-recording-1.gif"';
+      return new Response(new ArrayBuffer(8), { headers: { "Content-Disposition": disposition } });
+    },
     "GET /api/recordings/1/clip.mp4": () =>
       new Refusal(503, { detail: "Several clips are being made already." }),
     "PATCH /api/recordings/1": () => shown,
@@ -202,7 +205,7 @@ describe("the page of a recording", () => {
     );
   });
 
-  it("downloads a clip under its name, and says why it could not be made", async () => {
+  it("downloads a clip under the name that the server gives it, and says why it could not be made", async () => {
     const saved: string[] = [];
     vi.spyOn(HTMLAnchorElement.prototype, "click").mockImplementation(function click(
       this: HTMLAnchorElement,

@@ -4,7 +4,7 @@ import { useState } from "react";
 
 import { messageOf } from "@/api/client";
 import { type ClipKind, fetchClip, recordingExportUrl } from "@/api/recordings";
-import type { Behaviour, Recording } from "@/api/types";
+import type { Recording } from "@/api/types";
 import { Button, DownloadLink } from "@/components/controls/Button";
 import { Notice } from "@/components/feedback/States";
 import { saveFile } from "@/lib/browser/save-file";
@@ -17,13 +17,8 @@ const clips = (): readonly (readonly [kind: ClipKind, name: string, hint: string
   ["webp", "WebP", t`20 pictures a second, smaller`],
 ];
 
-interface DownloadsProps {
-  recording: Recording;
-  behaviour: Behaviour;
-}
-
 /** Downloads a recording as a clip or as data. */
-export function Downloads({ recording, behaviour }: DownloadsProps) {
+export function Downloads({ recording }: { recording: Recording }) {
   const [making, setMaking] = useState<ClipKind | null>(null);
   const [error, setError] = useState<unknown>(null);
 
@@ -31,8 +26,8 @@ export function Downloads({ recording, behaviour }: DownloadsProps) {
     setMaking(kind);
     setError(null);
     try {
-      const name = `${behaviour.slug}-recording-${recording.number}.${kind}`;
-      saveFile(await fetchClip(recording, kind), name);
+      const clip = await fetchClip(recording, kind);
+      saveFile(clip, clip.name);
     } catch (problem) {
       setError(problem);
     } finally {
