@@ -76,16 +76,13 @@ class Phrase:
         text: A phrase of a sentence.
         kind: The kind of things that it is about; None if it is about none.
         detail: The byte of memory that it was read from, and what of it; empty if from none.
+        is_seen: Whether it is about what the screen shows, or what has a name.
     """
 
     text: str
     kind: int | None = None
     detail: str = ""
-
-    @property
-    def is_seen(self) -> bool:
-        """Whether it is about what the screen shows, or what has a name."""
-        return not self.text.startswith(UNSEEN)
+    is_seen: bool = True
 
 
 def tell(
@@ -286,7 +283,7 @@ def _of_byte(words: Vocabulary, group: Group, weights: Array, game: Game) -> Phr
     sign = group.signs[fact] if group.signs else None
     if sign is None:
         how = "in one of its states" if group.aspect == "bits" else bare
-        return Phrase(f"{UNSEEN}, {how}", None, detail)
+        return Phrase(f"{UNSEEN}, {how}", None, detail, is_seen=False)
     kind = sign.group.subject[-1] if sign.group.source == "thing" else None
     if abs(sign.correlation) >= SURE_CORRELATION:
         return Phrase(_of_sign(words, sign, is_more == (sign.correlation > 0), game), kind, detail)
