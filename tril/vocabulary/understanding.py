@@ -245,15 +245,14 @@ class _Games:
         """
         shapes = [group.shapes for group in self.words.groups]
         columns = self.words.columns
-        values = np.concatenate(
-            [self.facts[:, own] @ one.sums for own, one in zip(columns, shapes, strict=True)], 1
+        # Sums of each shape's facts, (n_pool + n_games, n_shapes).
+        facts = np.concatenate([self.words.pool, self.facts[: self.n_games]])
+        sums = np.concatenate(
+            [facts[:, own] @ one.sums for own, one in zip(columns, shapes, strict=True)], 1
         )
-        pool = np.concatenate(
-            [self.words.pool[:, own] @ one.sums for own, one in zip(columns, shapes, strict=True)],
-            1,
-        )
-        known = np.concatenate([pool, values[: self.n_games]])
-        spread = np.maximum(known.std(0), SPREAD_FLOOR)
+        spread = np.maximum(sums.std(0), SPREAD_FLOOR)
+        # Rows as in `self.facts`: the games, then the varied ones that they are compared with.
+        values = np.concatenate([sums[len(self.words.pool) :], sums[:N_COMPARED]])
         values = (values - values.mean(0)) / spread
         n_shapes = [len(one.shares) for one in shapes]
         group_of = np.repeat(np.arange(len(shapes)), n_shapes)
