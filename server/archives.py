@@ -27,7 +27,10 @@ _LOG = logging.getLogger(__name__)
 TIMEOUT_S = 300.0
 """An archive takes about 15 s on an idle core: PyTorch is loaded, and two clips are made."""
 PAGE_SHARE = 0.8
-"""Of the timeout, in which a page is made with the games that are replayed by then."""
+"""Time limit of `tril runs share --within`, as a fraction of the timeout, 0 to 1.
+
+Chosen, not measured. The rest is for starting the process, whose imports the limit does not count.
+"""
 NICENESS = "10"
 """Somebody waits for it: before trainings (19), after play (0)."""
 MAX_WAITING = 4
