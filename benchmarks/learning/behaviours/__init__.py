@@ -1,1 +1,1 @@
-"""Behaviours of several games, players that show them well and badly, and what Tril makes of it."""
+"""26 behaviours in nine games, players that show them well and badly, and what Tril learns."""

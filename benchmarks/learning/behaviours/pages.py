@@ -19,6 +19,7 @@ import numpy as np
 from PIL import Image
 
 from benchmarks.learning.behaviours.games import from_row
+from benchmarks.learning.behaviours.suite import EVENT_STEPS, task_named
 from server.clips.render import render
 from server.clips.request import ClipKind
 from server.play.replays.strip import N_MOMENTS, SMALL_COLUMNS, StripFormat, strip_webp
@@ -74,6 +75,7 @@ class BehaviourPage:
         self._kept = kept
         self._others = others
         self._game = game_named(kept["game"])
+        self._task = task_named(kept["game"], kept["task"])
         self.name = f"{kept['game']}-{kept['task'].replace(' ', '-')}"
         self.title = f"{self._game.title}: {kept['task']}"
 
@@ -107,8 +109,9 @@ class BehaviourPage:
             "",
             f"{kept['ranked']} games of a scripted player with a person's delays and mistakes, in"
             " an order in which a quarter of the neighbours are swapped, and"
-            f" {kept['best']} best efforts. Eight moments each of the games in places {places}; in"
-            " brackets, what each is worth by the behaviour's own measure, which Tril never sees:",
+            f" {kept['best']} best efforts. The picture has eight moments each of the games in"
+            f" places {places}; in brackets, what each is worth by the behaviour's own measure,"
+            " which Tril never sees:",
             "",
             f"![Four ranked games]({self.name}-order.webp)",
             "",
@@ -173,14 +176,9 @@ class BehaviourPage:
 
     def _worth(self, worth: float) -> str:
         """Return a worth as people read it: a share of the time, or a number of events."""
-        # An event is worth ten steps; see `suite`.
-        is_events = self._kept["task"] in EVENTS
-        n_steps = self._game.clock.max_steps
-        return f"{worth * n_steps / 10:.1f}" if is_events else f"{worth:.0%}"
-
-
-EVENTS = ("left tunnel", "collect divers", "hit him", "miss the ball", "cross", "eat dots")
-"""Behaviours whose worth is a number of events."""
+        if not self._task.counts_events:
+            return f"{worth:.0%}"
+        return f"{worth * self._game.clock.max_steps / EVENT_STEPS:.1f}"
 
 
 def index_of(pages: Sequence[BehaviourPage]) -> str:

@@ -18,6 +18,9 @@ Worth = Callable[[Memory, npt.NDArray[np.int64]], npt.NDArray[np.float64]]
 
 The first row is the step before; its worth is left out."""
 
+EVENT_STEPS = 10
+"""Worth of an event, in steps."""
+
 
 @dataclass(frozen=True)
 class Task:
@@ -30,6 +33,7 @@ class Task:
         half: "development" or "report": nothing is chosen on the latter.
         guide: What its players see besides, who look less than a second ahead: how near a step is
             to being worth something, -1 to 0.
+        counts_events: Whether its worth counts events of `EVENT_STEPS` each, instead of steps.
     """
 
     game: str
@@ -37,6 +41,7 @@ class Task:
     worth: Worth
     half: str
     guide: Worth | None = None
+    counts_events: bool = False
 
 
 def _share(test: Callable[[Memory], npt.NDArray[np.bool_]]) -> Worth:
@@ -46,7 +51,7 @@ def _share(test: Callable[[Memory], npt.NDArray[np.bool_]]) -> Worth:
 def _rises(byte: int) -> Worth:
     def worth(memory: Memory, held: npt.NDArray[np.int64]) -> npt.NDArray[np.float64]:
         d = np.diff(memory[:, byte].astype(int), prepend=int(memory[0, byte]))
-        return ((d > 0) & (d < 128)).astype(float) * 10
+        return ((d > 0) & (d < 128)).astype(float) * EVENT_STEPS
 
     return worth
 
@@ -86,7 +91,7 @@ def _bits_cleared(places: list[tuple[int, int]]) -> Worth:
         for byte, mask in places:
             on = memory[:, byte] & mask
             total += np.diff((on == 0).astype(int), prepend=int(on[0] == 0)) > 0
-        return total * 10
+        return total * EVENT_STEPS
 
     return worth
 
@@ -189,7 +194,14 @@ TASKS: tuple[Task, ...] = (
     Task(
         "breakout", "paddle at the left", _between(72, 55, 100), DEVELOPMENT, _towards(72, 55, 100)
     ),
-    Task("breakout", "left tunnel", _bits_cleared(_BREAKOUT_LEFT), DEVELOPMENT, _apart(72, 99)),
+    Task(
+        "breakout",
+        "left tunnel",
+        _bits_cleared(_BREAKOUT_LEFT),
+        DEVELOPMENT,
+        _apart(72, 99),
+        counts_events=True,
+    ),
     Task(
         "breakout",
         "ball up",
@@ -199,7 +211,7 @@ TASKS: tuple[Task, ...] = (
     ),
     _place("seaquest", "near the surface", 97, 0, 30, DEVELOPMENT),
     _place("seaquest", "deep", 97, 85, 255, DEVELOPMENT),
-    Task("seaquest", "collect divers", _rises(62), DEVELOPMENT),
+    Task("seaquest", "collect divers", _rises(62), DEVELOPMENT, counts_events=True),
     Task(
         "boxing",
         "keep away",
@@ -214,17 +226,23 @@ TASKS: tuple[Task, ...] = (
         DEVELOPMENT,
         _BOXERS,
     ),
-    Task("boxing", "hit him", _rises(18), DEVELOPMENT, _BOXERS),
+    Task("boxing", "hit him", _rises(18), DEVELOPMENT, _BOXERS, counts_events=True),
     _place("pong", "stay up", 51, 0, 90, REPORT),
     Task("pong", "level with the ball", _level(51, 54, 12), REPORT, _apart(51, 54)),
-    Task("pong", "miss the ball", _rises(13), REPORT),
+    Task("pong", "miss the ball", _rises(13), REPORT, counts_events=True),
     _place("freeway", "wait in the middle", 14, 75, 105, REPORT),
-    Task("freeway", "cross", _rises(103), REPORT, _towards(14, 200, 255)),
+    Task("freeway", "cross", _rises(103), REPORT, _towards(14, 200, 255), counts_events=True),
     _place("ms_pacman", "lower half", 16, 98, 255, REPORT),
     _place("ms_pacman", "left half", 10, 0, 80, REPORT),
-    Task("ms_pacman", "eat dots", _rises(119), REPORT),
+    Task("ms_pacman", "eat dots", _rises(119), REPORT, counts_events=True),
     _place("riverraid", "left bank", 51, 0, 70, REPORT),
     Task("riverraid", "never shoot", _no_button(0), REPORT),
     _tia_place("demon_attack", "stay right", 16, 100, 160, REPORT),
     _tia_place("demon_attack", "stay left", 16, 0, 60, REPORT),
 )
+
+
+def task_named(game: str, name: str) -> Task:
+    """Return a behaviour of a game; raises KeyError if the benchmark has no such behaviour."""
+    tasks = {(task.game, task.name): task for task in TASKS}
+    return tasks[game, name]
