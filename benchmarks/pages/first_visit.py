@@ -9,7 +9,8 @@ on by roles and names: no address is typed but the first, nothing is looked up e
 played by key events. Counted are clicks and drags, and keys that steer no game; seconds are those
 of the visitor, without playing and without waiting for Tril. Each part of a task is a line of
 FOLDER/first-visit.jsonl, a task that was made again takes the place of the earlier one, and a
-picture of the last page of each is kept beside it.
+picture of the last page of each is kept beside it. TASK-end.png shows where a task ended, also
+where it failed.
 """
 
 from __future__ import annotations
@@ -126,10 +127,7 @@ def see_example(visit: Visit) -> None:
         told.append(open_example(visit))
         games = visit.page.get_by_role("group", name="Games in step")
         screen = games.get_by_role("img", name=re.compile("^Game screen of")).first
-        expect(screen).to_be_visible()
-        before = screen.evaluate(PICTURE)
-        visit.visitor.click(games.get_by_role("button", name="Play", exact=True).first)
-        wait_for_change(visit.page, screen, before)
+        start_playback(visit, screen, games.get_by_role("button", name="Play", exact=True).first)
     with visit.part("Watch its imitator play live"):
         visit.visitor.follow("Watch the imitator play")
         began = visit.page.get_by_text(re.compile(r"^step [1-9]\d* of \d+$"))
@@ -146,23 +144,22 @@ def open_example(visit: Visit) -> str:
 
 def teach_two_sides(visit: Visit) -> None:
     """Teach one side of Space Invaders by eight games, then the other by the same ones."""
-    visitor, page = visit.visitor, visit.page
     with visit.part("Stay on the left: create it and play eight games"):
-        visitor.follow(re.compile("^All .* games"))
-        visitor.follow("Space Invaders")
-        visitor.click(page.get_by_role("button", name="Teach Keep to the left"))
-        create(visit)
+        visit.visitor.follow(re.compile("^All .* games"))
+        visit.visitor.follow("Space Invaders")
+        create_proposed(visit, "Keep to the left")
         played = play_games(visit, (LEFT,), (RIGHT,), CLEARNESS)
-    with visit.part("Rank the eight and see what is understood") as told:
-        rank(visit, played)
-        told.append(understood(visit))
-    with visit.part("Train, until the page asks whether it was meant") as told:
-        train(visit, told)
+    rank_and_train(visit, played, "eight")
+    teach_other_side(visit)
+
+
+def teach_other_side(visit: Visit) -> None:
+    """Teach the right side by the eight games of the left one, in the opposite order."""
+    visitor, page = visit.visitor, visit.page
     with visit.part("Stay on the right: create it, take the eight over, turn them round") as told:
         visitor.follow(re.compile("^Games"))
         visitor.follow("Space Invaders")
-        visitor.click(page.get_by_role("button", name="Teach Keep to the right"))
-        create(visit)
+        create_proposed(visit, "Keep to the right")
         visitor.step("Rank")
         visitor.click(page.get_by_role("button", name=re.compile("^Take over the 8 games")))
         visitor.click(page.get_by_role("button", name="Turn the order round"))
@@ -183,11 +180,7 @@ def teach_pong(visit: Visit) -> None:
         visitor.write(dialog.get_by_label("Name", exact=True), "Stay up")
         create(visit)
         played = play_games(visit, (UP,), (UP, DOWN, DOWN), CLEARNESS_OF_SIX)
-    with visit.part("Rank the six and see what is understood") as told:
-        rank(visit, played)
-        told.append(understood(visit))
-    with visit.part("Train, until the page asks whether it was meant") as told:
-        train(visit, told)
+    rank_and_train(visit, played, "six")
 
 
 def mend_order(visit: Visit) -> None:
@@ -195,8 +188,7 @@ def mend_order(visit: Visit) -> None:
     visitor, page = visit.visitor, visit.page
     with visit.part("Create a behaviour and play six games"):
         find_game(visit, "Space Invaders")
-        visitor.click(page.get_by_role("button", name="Teach Keep to the left"))
-        create(visit)
+        create_proposed(visit, "Keep to the left")
         played = play_games(visit, (LEFT,), (RIGHT,), CLEARNESS_OF_SIX)
     with visit.part("Rank them without sense, and be warned") as told:
         rank(visit, [played[place] for place in NONSENSE])
@@ -248,18 +240,20 @@ def send_result(visit: Visit) -> None:
             visitor.click(page.get_by_role("button", name="Share"))
         download.value.save_as(file)
         visitor.waited_s += time.monotonic() - began
-    browser = page.context.browser
+    open_sent(visit, file)
+
+
+def open_sent(visit: Visit, file: Path) -> None:
+    """Open a file in a browser context without a network, and see it play."""
+    browser = visit.page.context.browser
     assert browser is not None
     context = browser.new_context(viewport=VIEW, offline=True)
     colleague = Visit(visit.task, Visitor(context.new_page()), 0, visit.folder, visit.n_parts)
     with colleague.part("The colleague opens the file and sees it play") as told:
         colleague.page.goto(file.resolve().as_uri())
         screen = colleague.page.get_by_role("img", name="Game screen of Imitator")
-        expect(screen).to_be_visible()
-        before = screen.evaluate(PICTURE)
         play = colleague.page.get_by_role("button", name="Play", exact=True)
-        colleague.visitor.click(play)
-        wait_for_change(colleague.page, screen, before)
+        start_playback(colleague, screen, play)
         told.append(f"{file.stat().st_size / 1e6:.1f} MB")
     context.close()
 
@@ -271,6 +265,12 @@ def find_game(visit: Visit, title: str) -> None:
     visitor.write(page.get_by_role("searchbox", name="Find a game"), title)
     visitor.press("Enter")
     expect(page.get_by_role("heading", name=title, level=1)).to_be_visible()
+
+
+def create_proposed(visit: Visit, name: str) -> None:
+    """Create a behaviour that the page of a game proposes."""
+    visit.visitor.click(visit.page.get_by_role("button", name=f"Teach {name}"))
+    create(visit)
 
 
 def create(visit: Visit) -> None:
@@ -285,6 +285,21 @@ def play_games(
 ) -> list[int]:
     """Play a game for each share of the keys; returns their recordings."""
     return [visit.visitor.play(Steering(keys, others, one), GAME_LIMIT_S) for one in shares]
+
+
+def rank_and_train(visit: Visit, games: Sequence[int], count: str) -> None:
+    """Rank games and train the order, as two parts of a task.
+
+    Args:
+        visit: The visit, at the behaviour of the games.
+        games: The games, best first.
+        count: Their number in words.
+    """
+    with visit.part(f"Rank the {count} and see what is understood") as told:
+        rank(visit, games)
+        told.append(understood(visit))
+    with visit.part("Train, until the page asks whether it was meant") as told:
+        train(visit, told)
 
 
 def rank(visit: Visit, games: Sequence[int]) -> None:
@@ -339,9 +354,12 @@ def one_line(what: Locator) -> str:
     return " ".join(what.inner_text().split())
 
 
-def wait_for_change(page: Page, screen: Locator, before: str) -> None:
-    """Wait until a picture is another one."""
-    page.wait_for_function(
+def start_playback(visit: Visit, screen: Locator, play: Locator) -> None:
+    """Press a play button, and wait until the picture of a game screen changes."""
+    expect(screen).to_be_visible()
+    before = screen.evaluate(PICTURE)
+    visit.visitor.click(play)
+    visit.page.wait_for_function(
         "([canvas, before]) => canvas.toDataURL() !== before", arg=[screen.element_handle(), before]
     )
 
@@ -367,9 +385,8 @@ def visit_once(browser: Browser, task: str, folder: Path, steps: int) -> None:
         visit = Visit(task, Visitor(page, np.random.default_rng(0)), steps, folder)
         try:
             TASKS[task](visit)
-        except BaseException:
-            page.screenshot(path=folder / f"{task}-failed.png")
-            raise
+        finally:
+            page.screenshot(path=folder / f"{task}-end.png")
         page.close()
 
 
