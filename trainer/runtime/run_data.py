@@ -104,12 +104,12 @@ class RunData:
         console = game.make_console()
         for number, recording in self.recordings(self.snapshot.recordings).items():
             if number not in self._facts:
-                self._facts[number] = words.facts(trace(recording, console, words.background))
+                self._facts[number] = words.facts(trace(recording, console, words.scene))
                 self.context.check_cancelled()
         if not self._varied:
             for recording in varied_games(game, N_VARIED):
                 observed = trajectory(recording, console)
-                facts = words.facts(trace(recording, console, words.background))
+                facts = words.facts(trace(recording, console, words.scene))
                 self._varied.append(ObservedTrajectory(observed.observations, facts=facts))
                 self.context.check_cancelled()
         console.close()

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.groups import Group
 from tril.vocabulary.kinds import Kind, Look
+from tril.vocabulary.pieces import PIECES
 
 MOST_SUBJECTS = 2
 """Of a statement."""
@@ -74,6 +75,8 @@ def kinds_about(words: Vocabulary, subjects: Sequence[str]) -> tuple[int, ...]:
     kinds: list[int] = []
     for subject in subjects:
         named = known_subject(words, subject).split()
+        if named[0] == "pieces" and words.pieces is not None:
+            kinds.append(PIECES)
         looks = [word for word in named if ":" in word]
         kinds += [i for i, kind in enumerate(words.kinds) if looks[-1:] == [_kind(kind)]]
     return tuple(dict.fromkeys(kinds))

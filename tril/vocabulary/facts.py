@@ -19,9 +19,8 @@ import numpy as np
 import numpy.typing as npt
 
 from tril.errors import Invalid
-from tril.games.base import Screen
 from tril.games.things import Thing
-from tril.vocabulary.groups import NEAR_PX, Group, binned, edges_of
+from tril.vocabulary.groups import NEAR_PX, Aspect, Group, binned, edges_of
 from tril.vocabulary.kinds import (
     Array,
     Kind,
@@ -34,9 +33,10 @@ from tril.vocabulary.kinds import (
     places,
 )
 from tril.vocabulary.memory import facts_of_byte, memory_groups, with_signs
-from tril.vocabulary.trace import Trace
+from tril.vocabulary.pieces import Mask, cells_of, find_pieces, gone_pieces
+from tril.vocabulary.trace import Scene, Trace
 
-FORMAT_VERSION = 3
+FORMAT_VERSION = 4
 
 PLACE_BINS = 6
 MIN_SPAN_PX = 4
@@ -47,18 +47,20 @@ COUNT_SCALE = 8
 SPREAD_FLOOR = 0.04
 """Smallest standard deviation by which a fact is divided, so that rare ones are held down."""
 
-Role = Literal["place", "relation", "thing", "memory", "button", "time"]
+Role = Literal["place", "relation", "thing", "pieces", "memory", "button", "time"]
 
 PRIOR_SHARES: dict[Role, float] = {
     "place": 0.25,
     "relation": 0.2,
     "thing": 0.2,
+    "pieces": 0.1,
     "memory": 0.25,
     "button": 0.05,
     "time": 0.05,
 }
 """Prior probability of what a statement's group is about: where the player's own thing is, how it
-stands to others, other things, memory that follows no thing, buttons, how long the game lasts.
+stands to others, other things, what is cleared of the still picture, memory that follows no thing,
+buttons, how long the game lasts; of these, what the game has.
 Buttons are few and are held differently by whoever plays better, so that they fit most orders a
 little."""
 
@@ -69,17 +71,20 @@ class Vocabulary:
 
     Attributes:
         horizon: Steps of a whole game.
-        background: Colour of each pixel, uint8 (height, width).
+        scene: What the game's screens have in common.
         kinds: Kinds of things on the screen.
         player: Index of the kind that answers the buttons; None if none does.
+        pieces: Which pixels of the beginning are pieces that games clear, bool (height, width);
+            None if there are none.
         groups: What the facts are about.
         pool: Facts of the varied games that it was made from, float32 (n_games, n_facts).
     """
 
     horizon: int
-    background: Screen
+    scene: Scene
     kinds: tuple[Kind, ...]
     player: int | None
+    pieces: Mask | None
     groups: tuple[Group, ...]
     pool: Array
 
@@ -87,7 +92,7 @@ class Vocabulary:
     def of_games(
         cls,
         traces: Sequence[Trace],
-        background: Screen,
+        scene: Scene,
         n_buttons: int,
         horizon: int,
         things: Mapping[str, Thing] | None = None,
@@ -96,7 +101,7 @@ class Vocabulary:
 
         Args:
             traces: The games.
-            background: Colour of each pixel.
+            scene: What the game's screens have in common.
             n_buttons: Number of the game's buttons.
             horizon: Steps of a whole game.
             things: Things that the game itself names, by their keys.
@@ -105,19 +110,21 @@ class Vocabulary:
         at = [places(played, kinds) for played in traces]
         kinds = named_kinds(kinds, at, [played.memory for played in traces], things or {})
         player = find_player(traces, at)
+        pieces = find_pieces(traces, scene)
         groups = (
             *memory_groups([played.memory for played in traces], at),
             *(Group("button", (button,), "held") for button in range(n_buttons)),
             Group("time", (), "played"),
             *_thing_groups(at, len(kinds)),
             *_relation_groups(traces, at, kinds, player),
+            *_piece_groups(pieces),
         )
         empty = np.empty((0, 0), np.float32)
-        words = cls(horizon, background, kinds, player, groups, empty)
+        words = cls(horizon, scene, kinds, player, pieces, groups, empty)
         facts = [words.facts(played) for played in traces]
         pool = np.stack([words.summary(of_game) for of_game in facts])
         signed = with_signs(groups, words.columns, facts)
-        return cls(horizon, background, kinds, player, signed, pool)
+        return cls(horizon, scene, kinds, player, pieces, signed, pool)
 
     @cached_property
     def columns(self) -> tuple[npt.NDArray[np.int64], ...]:
@@ -137,7 +144,8 @@ class Vocabulary:
     def log_prior(self) -> npt.NDArray[np.float64]:
         """Log of the prior probability of each group, float64 (n_groups,)."""
         roles = [self._role(group) for group in self.groups]
-        return np.log([PRIOR_SHARES[role] / roles.count(role) for role in roles])
+        total = sum(PRIOR_SHARES[role] for role in set(roles))
+        return np.log([PRIOR_SHARES[role] / total / roles.count(role) for role in roles])
 
     def _role(self, group: Group) -> Role:
         subject = group.subject
@@ -155,6 +163,7 @@ class Vocabulary:
         """Return the facts of every step, float32 (n_steps, n_facts), 0 to 1 but for counts."""
         at = places(played, self.kinds)
         offsets: dict[int, tuple[Array, Array]] = {}
+        gone = gone_pieces(played, self.pieces) if self.pieces is not None else None
         parts: list[Array] = []
         for group in self.groups:
             if group.source == "memory":
@@ -163,6 +172,9 @@ class Vocabulary:
                 parts.append(_of_button(played.held >> group.subject[0] & 1))
             elif group.source == "time":
                 parts.append(np.ones((played.n_steps, 1), np.float32))
+            elif group.source == "pieces":
+                assert gone is not None
+                parts.append(gone.facts(group))
             elif len(group.subject) == 1:
                 parts.append(_of_things(group, at))
             else:
@@ -203,7 +215,9 @@ class Vocabulary:
             np.savez_compressed(
                 file,
                 header=np.frombuffer(json.dumps(header).encode(), np.uint8),
-                background=self.background,
+                background=self.scene.background,
+                beginning=self.scene.beginning,
+                pieces=np.zeros(0, np.bool_) if self.pieces is None else self.pieces,
                 pool=self.pool,
             )
 
@@ -232,9 +246,10 @@ class Vocabulary:
                 groups = (Group.from_json(group) for group in header["groups"])
                 return cls(
                     header["horizon"],
-                    arrays["background"],
+                    Scene(arrays["background"], arrays["beginning"]),
                     tuple(kinds),
                     header["player"],
+                    arrays["pieces"] if arrays["pieces"].size else None,
                     tuple(groups),
                     arrays["pool"],
                 )
@@ -284,6 +299,21 @@ def _relation_groups(
             groups.append(Group("thing", pair, "dy", edges_of(dy[seen], PLACE_BINS)))
             groups.append(Group("thing", pair, "level y"))
         groups.append(Group("thing", pair, "near"))
+    return groups
+
+
+def _piece_groups(pieces: Mask | None) -> list[Group]:
+    if pieces is None:
+        return []
+    groups = [Group("pieces", (), "gone")]
+    rows, columns = cells_of(pieces)
+    aspects: tuple[tuple[Aspect, Array], ...] = (
+        ("gone x", columns.astype(np.float32)),
+        ("gone y", rows.astype(np.float32)),
+    )
+    for aspect, values in aspects:
+        if np.ptp(values) >= MIN_SPAN_PX:
+            groups.append(Group("pieces", (), aspect, edges_of(values, PLACE_BINS)))
     return groups
 
 

@@ -13,15 +13,15 @@ from tril.vocabulary.kinds import Array
 from tril.vocabulary.shapes import Shapes, shapes_of
 
 NEAR_PX = (8, 16, 32)
-ORDERED: tuple[Aspect, ...] = ("value", "x", "y", "dx", "dy")
+ORDERED: tuple[Aspect, ...] = ("value", "x", "y", "dx", "dy", "gone x", "gone y")
 BIN_LENGTH = 2.0
 """Bins over which the prior correlation of two weights falls to 1/e."""
 
-Source = Literal["memory", "thing", "button", "time"]
+Source = Literal["memory", "thing", "pieces", "button", "time"]
 Axis = Literal["x", "y"]
 Aspect = Literal[
     "value", "changes", "bits", "held", "x", "y", "count", "comes", "moves", "dx", "dy",
-    "level x", "level y", "near", "played",
+    "level x", "level y", "near", "gone", "gone x", "gone y", "played",
 ]  # fmt: skip
 
 _SIZES: dict[str, int] = {
@@ -34,6 +34,7 @@ _SIZES: dict[str, int] = {
     "level x": len(NEAR_PX),
     "level y": len(NEAR_PX),
     "near": len(NEAR_PX),
+    "gone": 2,
     "played": 1,
 }
 
@@ -107,12 +108,13 @@ class Group:
     Attributes:
         source: Where they come from.
         subject: The byte, the button, or the kind of things; of a relation the player's kind and
-            the other one; nothing of time.
+            the other one; nothing of time and of the pieces of the still picture.
         aspect: What of it: "value" of a byte in bins, its "changes" (up, down, by more than one)
             and the "bits" of a slow one; "held" of a button (held, pressed); of a kind of things
             "x" and "y" in bins, "count" (any, how many), "comes" (appears, vanishes) and "moves"
             (right, left, down, up); of two kinds "dx" and "dy" in bins, "level x", "level y" and
-            "near" within 8, 16 and 32 pixels; of time "played", which holds in every step.
+            "near" within 8, 16 and 32 pixels; of pieces what share is "gone", whether it grows,
+            and what share in bins of "x" and "y"; of time "played", which holds in every step.
         edges: Between the bins; in pixels where a byte tells a place.
         twin: Of a byte the place that it tells, if any.
         signs: Of a byte that tells no place, what goes with each of its facts; None for one that

@@ -21,7 +21,7 @@ from tril.games.base import Game
 from tril.recording import Recording
 from tril.vocabulary.blobs import Background
 from tril.vocabulary.facts import FORMAT_VERSION, Vocabulary
-from tril.vocabulary.trace import count_background, trace
+from tril.vocabulary.trace import Scene, count_background, trace
 
 N_GAMES = 40
 SEED = 20_261_128
@@ -69,18 +69,19 @@ def make_vocabulary(game: Game, progress: Progress | None = None) -> Vocabulary:
 
     recordings = varied_games(game, n_games, report)
     console = game.make_console()
-    background = Background((game.screen.height, game.screen.width))
+    shape = (game.screen.height, game.screen.width)
+    background, beginning = Background(shape), Background(shape)
     for number, recording in enumerate(recordings, 1):
-        count_background(recording, console, background)
+        count_background(recording, console, background, beginning)
         report(n_games + number, total)
-    mode = background.mode()
+    scene = Scene(background.mode(), beginning.mode())
     traces = []
     for number, recording in enumerate(recordings, 1):
-        traces.append(trace(recording, console, mode))
+        traces.append(trace(recording, console, scene))
         report(2 * n_games + number, total)
     console.close()
     return Vocabulary.of_games(
-        traces, mode, len(game.controls.buttons), game.clock.max_steps, game.things
+        traces, scene, len(game.controls.buttons), game.clock.max_steps, game.things
     )
 
 

@@ -35,6 +35,9 @@ LEAST_CORRELATION = 0.4
 RAREST_FACT = 0.002
 """Share of the steps: what is rarer, or rarer absent, goes with nothing."""
 
+SEEN = ("thing", "pieces", "button")
+"""Sources of facts that may go with a byte."""
+
 Bytes = npt.NDArray[np.uint8]
 
 
@@ -94,7 +97,7 @@ def with_signs(
         facts: Facts of every step of each game, float32 (n_steps, n_facts).
     """
     unseen = [i for i, group in enumerate(groups) if group.source == "memory" and not group.twin]
-    seen = [i for i, group in enumerate(groups) if group.source in ("thing", "button")]
+    seen = [i for i, group in enumerate(groups) if group.source in SEEN]
     if not unseen or not seen:
         return tuple(groups)
     of_unseen = np.concatenate([columns[i] for i in unseen])

@@ -17,6 +17,8 @@ from tril.play.episode import Episode
 from tril.recording import Recording, replay
 from tril.vocabulary.blobs import Blobs, box_of
 from tril.vocabulary.facts import Vocabulary
+from tril.vocabulary.pieces import PIECES, Mask
+from tril.vocabulary.sentences import rgb_of
 from tril.vocabulary.trace import colours_of, trace
 
 SIZE_PX = 32
@@ -32,7 +34,9 @@ MOST_GAMES = 8
 def pictures_of(
     words: Vocabulary, recordings: Sequence[Recording], console: Console
 ) -> dict[int, bytes]:
-    """Return a PNG of each kind of things that some games show, keyed by the kind's index.
+    """Return a PNG of each kind of things that some games show, and of the pieces.
+
+    The key is the kind's index, or PIECES.
 
     Args:
         words: The game's vocabulary.
@@ -44,14 +48,16 @@ def pictures_of(
         missing = [index for index in range(len(words.kinds)) if index not in pictures]
         if not missing:
             break
-        played = trace(recording, console, words.background)
+        played = trace(recording, console, words.scene)
         shown: dict[int, list[tuple[int, Blobs]]] = defaultdict(list)
         for kind in missing:
             members = played.blobs[words.kinds[kind].members(played.blobs)]
             if len(members):
-                blob = _typical(members, words.background.shape)
+                blob = _typical(members, words.scene.background.shape)
                 shown[int(blob["step"])].append((kind, blob))
         pictures |= _cut(recording, console, shown)
+    if words.pieces is not None:
+        pictures[PIECES] = _lit(words.scene.beginning, words.pieces, recordings[0].game)
     return pictures
 
 
@@ -128,6 +134,17 @@ def _rgb(screen: Screen, game: Game) -> Screen:
     palette = game.screen.palette
     rgb: Screen = screen if palette is None else palette[screen]
     return rgb
+
+
+def _lit(colours: Screen, pieces: Mask, game: Game) -> bytes:
+    """Return a PNG of the part of the screen in which there are pieces, the rest of it dimmed."""
+    rgb = np.rint(rgb_of(colours, game)).astype(np.uint8)
+    rows, columns = (np.flatnonzero(pieces.any(axis)) for axis in (1, 0))
+    box = (slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1))
+    picture = np.where(pieces[..., None], rgb, (rgb * DIMMED).astype(np.uint8))[box]
+    file = io.BytesIO()
+    Image.fromarray(picture).save(file, "PNG", optimize=True)
+    return file.getvalue()
 
 
 def _png(rgb: Screen, box: tuple[slice, slice]) -> bytes:

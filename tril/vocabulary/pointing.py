@@ -8,7 +8,7 @@ from tril.games.base import Game
 from tril.vocabulary.answers import subject_of
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.groups import Group
-from tril.vocabulary.sentences import kind_name
+from tril.vocabulary.sentences import kind_name, kind_of, pieces_name
 
 _OF_THING = {
     "x": "{thing} further to the left or right",
@@ -23,6 +23,11 @@ _OF_RELATION = {
     "level x": "{player} in line with {thing} or not",
     "level y": "{player} level with {thing} or not",
     "near": "{player} near {thing} or away from it",
+}
+_OF_PIECES = {
+    "gone": "more or fewer {pieces} gone",
+    "gone x": "{pieces} gone further to the left or right",
+    "gone y": "{pieces} gone higher up or lower down",
 }
 _OF_MEMORY = {
     "value": "{memory}: larger or smaller",
@@ -55,20 +60,15 @@ def meanings_of(words: Vocabulary, game: Game) -> tuple[Pointed, ...]:
     for group in words.groups:
         subject, sentence = subject_of(words, group), _open_sentence(words, group, game)
         if sentence is not None and subject not in pointed:
-            pointed[subject] = Pointed(subject, sentence, _kind_of(group))
+            pointed[subject] = Pointed(subject, sentence, kind_of(group))
     return tuple(pointed.values())
-
-
-def _kind_of(group: Group) -> int | None:
-    """Return the kind to point at for a group; for a relation, that of the other thing."""
-    if group.twin is not None:
-        return group.twin.kind
-    return group.subject[-1] if group.source == "thing" else None
 
 
 def _open_sentence(words: Vocabulary, group: Group, game: Game) -> str | None:
     """Return what a group can say, with neither way preferred; None where nobody can name it."""
-    kind = _kind_of(group)
+    if group.source == "pieces":
+        return _OF_PIECES[group.aspect].format(pieces=pieces_name(words, game))
+    kind = kind_of(group)
     if kind is not None:
         thing = kind_name(words, kind, game)
         if group.twin is not None:

@@ -12,6 +12,7 @@ from tril.games.base import Game
 from tril.vocabulary.answers import subject_of
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.groups import Group, Sign
+from tril.vocabulary.pieces import PIECES
 from tril.vocabulary.posterior import Posterior, Statement
 
 Array = npt.NDArray[np.float64]
@@ -26,6 +27,9 @@ UNSEEN = "something that the screen does not show"
 """How a byte is called that nothing goes with."""
 SURE_CORRELATION = 0.7
 """Between a fact of a byte and what goes with it, from which on one is told for the other."""
+
+ONE_COLOUR = 0.6
+"""Share of the pieces that have a colour by which all are called."""
 
 _COLOURS: dict[str, tuple[int, int, int]] = {
     "black": (0, 0, 0),
@@ -54,7 +58,8 @@ class Telling:
         probability: Of all statements that say the same.
         groups: Indices of the groups of the most probable one of them.
         subjects: What they are about, in order; see `subject_of`.
-        kinds: Kinds of things that it is about; for a relation, that of the other thing.
+        kinds: Kinds of things that it is about; for a relation, that of the other thing. PIECES
+            stands for those of the still picture.
         detail: Which bytes of memory it was read from, for experts; empty if from none.
         statement: That statement.
     """
@@ -187,8 +192,7 @@ def phrase(words: Vocabulary, group: Group, weights: Array, game: Game) -> Phras
     """
     if group.source == "memory":
         return _of_byte(words, group, weights, game)
-    kind = group.subject[-1] if group.source == "thing" else None
-    return Phrase(_of_seen(words, group, weights, game), kind)
+    return Phrase(_of_seen(words, group, weights, game), kind_of(group))
 
 
 def _of_seen(words: Vocabulary, group: Group, weights: Array, game: Game) -> str:
@@ -199,6 +203,14 @@ def _of_seen(words: Vocabulary, group: Group, weights: Array, game: Game) -> str
         return f"{game.controls.buttons[group.subject[0]]} {how}"
     if group.source == "time":
         return f"the game going on {'longer' if weights.sum() > 0 else 'less long'}"
+    if group.source == "pieces":
+        pieces = pieces_name(words, game)
+        if group.aspect != "gone":
+            return f"more {pieces} gone {_range(group, weights, group.aspect[-1])}"
+        fact = _telling_fact(words, group, weights)
+        if fact == 0:
+            return f"{'more' if weights[fact] > 0 else 'fewer'} {pieces} gone"
+        return f"{pieces} cleared {'more' if weights[fact] > 0 else 'less'} often"
     name = kind_name(words, group.subject[-1], game)
     if group.aspect == "count":
         fact = _telling_fact(words, group, weights)
@@ -284,7 +296,7 @@ def _of_byte(words: Vocabulary, group: Group, weights: Array, game: Game) -> Phr
     if sign is None:
         how = "in one of its states" if group.aspect == "bits" else bare
         return Phrase(f"{UNSEEN}, {how}", None, detail, is_seen=False)
-    kind = sign.group.subject[-1] if sign.group.source == "thing" else None
+    kind = kind_of(sign.group)
     if abs(sign.correlation) >= SURE_CORRELATION:
         return Phrase(_of_sign(words, sign, is_more == (sign.correlation > 0), game), kind, detail)
     # What is hardly ever there with it and is less often: its opposite is more often, with it.
@@ -332,6 +344,12 @@ def _clause(words: Vocabulary, sign: Sign, game: Game) -> str:
     group, fact = sign.group, sign.fact
     if group.source == "button":
         return f"{game.controls.buttons[group.subject[0]]} is {('held', 'pressed')[fact]}"
+    if group.source == "pieces":
+        pieces = pieces_name(words, game)
+        if group.aspect == "gone":
+            return f"{pieces} are {('gone', 'cleared')[fact]}"
+        weights = np.eye(group.n_facts)[fact]
+        return f"{pieces} are gone {_span(*_bounds(group, weights), group.aspect[-1])}"
     name = kind_name(words, group.subject[-1], game)
     if group.aspect == "count":
         return f"{name} is there" if fact == 0 else f"there are more of {name}"
@@ -399,8 +417,22 @@ def _span(low: float | None, high: float | None, aspect: str) -> str:
     return f"between {low:.0f} and {high:.0f}{unit}"
 
 
+def kind_of(group: Group) -> int | None:
+    """Return the kind of things that a group is about, or PIECES; None if it is about none.
+
+    Of a relation it is the other thing.
+    """
+    if group.twin is not None:
+        return group.twin.kind
+    if group.source == "pieces":
+        return PIECES
+    return group.subject[-1] if group.source == "thing" else None
+
+
 def kind_name(words: Vocabulary, index: int, game: Game) -> str:
     """Return what a kind of things is called: by the game, or by its colour and size."""
+    if index == PIECES:
+        return pieces_name(words, game)
     kind = words.kinds[index]
     thing = game.things.get(kind.name) if kind.name is not None else None
     if index == words.player:
@@ -409,15 +441,28 @@ def kind_name(words: Vocabulary, index: int, game: Game) -> str:
         return thing.title if thing.title[0].isupper() else f"the {thing.title}"
     look = kind.looks[0]
     width, height = round(sum(look.width) / 2), round(sum(look.height) / 2)
-    return f"the {colour_name(_rgb(look.colour, game))} thing of {width}x{height} px"
+    return f"the {colour_name(rgb_of(look.colour, game))} thing of {width}x{height} px"
 
 
-def _rgb(colour: int, game: Game) -> Array:
+def pieces_name(words: Vocabulary, game: Game) -> str:
+    """Return what the pieces of the still picture are called, by the colour of most of them."""
+    assert words.pieces is not None
+    amounts = np.bincount(words.scene.beginning[words.pieces])
+    colour = int(amounts.argmax())
+    if amounts[colour] < ONE_COLOUR * amounts.sum():
+        return "pieces of the picture"
+    return f"{colour_name(rgb_of(colour, game))} pieces"
+
+
+def rgb_of(colours: npt.NDArray[np.uint8] | int, game: Game) -> Array:
+    """Return red, green and blue of colour numbers, float64 (..., 3), 0 to 255."""
     palette = game.screen.palette
     if palette is not None:
-        rgb: Array = palette[colour].astype(np.float64)
+        rgb: Array = palette[colours].astype(np.float64)
         return rgb
-    return np.array([colour & 0xE0, (colour & 0x1C) << 3, (colour & 3) << 6], np.float64) + 16
+    number = np.asarray(colours)
+    parts = [number & 0xE0, (number & 0x1C) << 3, (number & 3) << 6]
+    return np.stack(parts, -1).astype(np.float64) + 16
 
 
 def colour_name(rgb: Array) -> str:

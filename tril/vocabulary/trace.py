@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -16,8 +17,26 @@ from tril.vocabulary.blobs import BLOB_DTYPE, Background, Blobs, find_blobs
 MOST_SHIFT_PX = 6
 """Between the two last frames of a step, by which a thing seen in both may have moved."""
 
+SAMPLED_SIZE = (105, 80)
+"""Height and width of a screen on which is looked at what changes: half of a 2600's."""
+BEGINNING_STEPS = 3
+"""First steps of a game that show what it looks like at the beginning."""
+
 LookAtStep = Callable[[list[Screen], bytes, bytes], None]
 """Called after each step: the screens of its last two frames, the memory, the step's actions."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What the screens of a game have in common.
+
+    Attributes:
+        background: Most frequent colour of each pixel, uint8 (height, width).
+        beginning: The same of the first steps of a game.
+    """
+
+    background: Screen
+    beginning: Screen
 
 
 @dataclass(frozen=True)
@@ -28,16 +47,34 @@ class Trace:
         memory: After each step, uint8 (n_steps, n_bytes); no bytes where the game has none to show.
         held: Buttons held in most frames of each step, as bits, int64 (n_steps,).
         blobs: Of all steps in order of time, BLOB_DTYPE.
+        packed_changed: Of each step, which pixels of the sampled screen differ from the beginning
+            of a game, in row-major order, packed into bits, uint8 (n_steps, n_bytes).
+        n_cells: Number of pixels of the sampled screen.
     """
 
     memory: npt.NDArray[np.uint8]
     held: npt.NDArray[np.int64]
     blobs: Blobs
+    packed_changed: npt.NDArray[np.uint8]
+    n_cells: int
+
+    @property
+    def changed(self) -> npt.NDArray[np.bool_]:
+        """Which pixels of the sampled screen differ from the beginning, (n_steps, n_cells)."""
+        return np.unpackbits(self.packed_changed, axis=1, count=self.n_cells).view(np.bool_)
 
     @property
     def n_steps(self) -> int:
         """Number of steps."""
         return len(self.memory)
+
+
+def sampled(screen: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Return a screen of at most SAMPLED_SIZE, by leaving out rows and columns."""
+    down, right = (
+        -(-size // most) for size, most in zip(screen.shape[:2], SAMPLED_SIZE, strict=True)
+    )
+    return screen[::down, ::right]
 
 
 def colours_of(screen: Screen, game: Game) -> Screen:
@@ -77,26 +114,30 @@ def look_at_steps(recording: Recording, console: Console, look: LookAtStep) -> N
     replay(recording, console, look_at_frame)
 
 
-def count_background(recording: Recording, console: Console, background: Background) -> None:
-    """Count the colours of every third step of a recording."""
+def count_background(
+    recording: Recording, console: Console, background: Background, beginning: Background
+) -> None:
+    """Count the colours of every third step of a recording, and those of its first steps."""
     number = 0
 
     def look(screens: list[Screen], _memory: bytes, _actions: bytes) -> None:
         nonlocal number
         if number % 3 == 0:
             background.add(screens[-1])
+        if number < BEGINNING_STEPS:
+            beginning.add(screens[-1])
         number += 1
 
     look_at_steps(recording, console, look)
 
 
-def trace(recording: Recording, console: Console, background: Screen) -> Trace:
+def trace(recording: Recording, console: Console, scene: Scene) -> Trace:
     """Replay a recording and return what is seen of it.
 
     Args:
         recording: The recording.
         console: A console of its game.
-        background: Colour of each pixel, as `colours_of` returns them.
+        scene: What the game's screens have in common, in colours as `colours_of` returns them.
 
     Raises:
         RecordingRefused: The recording goes on after its game's end.
@@ -104,12 +145,15 @@ def trace(recording: Recording, console: Console, background: Screen) -> Trace:
     memory: list[npt.NDArray[np.uint8]] = []
     held: list[int] = []
     blobs: list[Blobs] = []
+    changed: list[npt.NDArray[np.uint8]] = []
+    beginning = sampled(scene.beginning)
     controls = recording.game.controls
 
     def look(screens: list[Screen], ram: bytes, actions: bytes) -> None:
-        of_step = _blobs_of_step(screens, background)
+        of_step = _blobs_of_step(screens, scene.background)
         of_step["step"] = len(memory)
         blobs.append(of_step)
+        changed.append(np.packbits(sampled(screens[-1]) != beginning))
         memory.append(np.frombuffer(ram, np.uint8))
         action = int(np.bincount(np.frombuffer(actions, np.uint8)).argmax())
         held.append(controls.held[action])
@@ -119,6 +163,8 @@ def trace(recording: Recording, console: Console, background: Screen) -> Trace:
         np.array(memory, np.uint8).reshape(len(memory), len(console.ram_bytes())),
         np.array(held, np.int64),
         np.concatenate([np.empty(0, BLOB_DTYPE), *blobs]),
+        np.array(changed, np.uint8).reshape(len(memory), -(-beginning.size // 8)),
+        beginning.size,
     )
 
 

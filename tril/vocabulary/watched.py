@@ -17,6 +17,7 @@ from tril.vocabulary.blobs import box_of
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.kinds import Array
 from tril.vocabulary.moments import Seconds, seconds_of
+from tril.vocabulary.pieces import PIECES, Areas, gone_pieces
 from tril.vocabulary.trace import Trace, trace
 
 THING_DTYPE = np.dtype(
@@ -29,7 +30,7 @@ THING_DTYPE = np.dtype(
         ("height", "<i2"),
     ]
 )
-"""A thing in a step: the index of its kind, and its box in pixels."""
+"""A thing in a step: the index of its kind, or PIECES, and its box in pixels."""
 
 Things = npt.NDArray[np.void]
 """Things in order of time, THING_DTYPE (n,)."""
@@ -58,7 +59,7 @@ class Watched:
         Raises:
             RecordingRefused: The recording goes on after its game's end.
         """
-        played = trace(recording, console, words.background)
+        played = trace(recording, console, words.scene)
         facts = words.facts(played)
         return cls(
             words.summary(facts),
@@ -97,7 +98,7 @@ class Watched:
 
 
 def things_of(played: Trace, words: Vocabulary) -> Things:
-    """Return the things of a vocabulary's kinds that a game shows, in order of time."""
+    """Return the things of a vocabulary's kinds, and the pieces, that a game shows in each step."""
     parts = [np.empty(0, THING_DTYPE)]
     for index, kind in enumerate(words.kinds):
         members = played.blobs[kind.members(played.blobs)]
@@ -105,6 +106,15 @@ def things_of(played: Trace, words: Vocabulary) -> Things:
         part["step"], part["kind"] = members["step"], index
         part["left"], part["top"] = box_of(members)
         part["width"], part["height"] = members["width"], members["height"]
+        parts.append(part)
+    if words.pieces is not None:
+        areas = Areas.of(words.pieces)
+        gone = gone_pieces(played, words.pieces)
+        steps, shown = np.nonzero(areas.are_there(gone.is_gone))
+        part = np.zeros(len(steps), THING_DTYPE)
+        part["step"], part["kind"] = steps, PIECES
+        for column, name in enumerate(("left", "top", "width", "height")):
+            part[name] = areas.boxes[shown, column]
         parts.append(part)
     things = np.concatenate(parts)
     return things[np.argsort(things["step"], kind="stable")]

@@ -147,7 +147,7 @@ def _look_at(
         # A player that looks ahead goes on from restored states, which not every game restores to
         # the last bit: what was played after such a state may end earlier.
         n_frames.append(replay(recording, console).n_frames)
-        played = trace(recording.until(n_frames[-1]), console, words.background)
+        played = trace(recording.until(n_frames[-1]), console, words.scene)
         summaries.append(words.summary(words.facts(played)))
         worths.append([worth_of(one, played, game.clock.max_steps) for one in tasks])
     console.close()

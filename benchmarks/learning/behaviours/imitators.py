@@ -169,7 +169,7 @@ class Taught:
         )
 
     def _observed(self, recording: Any) -> tuple[Any, npt.NDArray[np.float32]]:
-        played = trace(recording, self._console, self.played.words.background)
+        played = trace(recording, self._console, self.played.words.scene)
         return trajectory(recording, self._console), self.played.words.facts(played)
 
     def judge(self, actor: Actor) -> Judged:
@@ -194,7 +194,7 @@ class Taught:
         horizon = self.played.game.clock.max_steps
         worths = []
         for one in games:
-            seen = trace(one.recording, self._console, self.played.words.background)
+            seen = trace(one.recording, self._console, self.played.words.scene)
             worths.append(worth_of(self.task, seen, horizon))
         return Judged(np.array(worths), games)
 

@@ -46,7 +46,7 @@ def games(words: Vocabulary) -> list[tuple[Trajectory, np.ndarray, float]]:
     console = GAME.make_console()
     found = []
     for recording in varied_games(GAME, N_GAMES):
-        played = trace(recording, console, words.background)
+        played = trace(recording, console, words.scene)
         place = float(played.memory[:, CANNON_X].mean())
         found.append((trajectory(recording, console), words.facts(played), place))
     return sorted(found, key=lambda one: one[2])
@@ -120,6 +120,6 @@ def test_the_same_seed_gives_the_same_network(
 
 def test_a_recording_without_steps_has_no_facts(words: Vocabulary) -> None:
     recording = Recording(GAME, GAME.starts.training[0], bytes(3))
-    played = trace(recording, GAME.make_console(), words.background)
+    played = trace(recording, GAME.make_console(), words.scene)
     assert played.n_steps == 0
     assert not words.summary(words.facts(played)).any()

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
-from tests.tril.vocabulary.test_facts import HORIZON, played
+from tests.tril.vocabulary.test_facts import HORIZON, SCENE, played
 from tril.vocabulary.facts import Vocabulary
 
 
 @pytest.fixture(scope="session")
 def words() -> Vocabulary:
-    background = np.zeros((210, 160), np.uint8)
-    return Vocabulary.of_games([played(seed) for seed in range(20)], background, 2, HORIZON)
+    return Vocabulary.of_games([played(seed) for seed in range(20)], SCENE, 2, HORIZON)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,13 +15,15 @@ from tril.vocabulary.blobs import BLOB_DTYPE, Background, find_blobs
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.groups import Aspect, Group
 from tril.vocabulary.sentences import colour_name, kind_name, phrase, tell
-from tril.vocabulary.trace import Trace
+from tril.vocabulary.trace import Scene, Trace, sampled
 from tril.vocabulary.understanding import shuffles_as_good, understand
 
 HORIZON = 100
 LEFT, RIGHT = 1, 2
 STEERED, FREE = 40, 80
 """Colours."""
+SCENE = Scene(np.zeros((210, 160), np.uint8), np.zeros((210, 160), np.uint8))
+N_CELLS = sampled(SCENE.beginning).size
 
 
 def played(seed: int, n_steps: int = HORIZON, centre: float | None = None) -> Trace:
@@ -42,7 +45,8 @@ def played(seed: int, n_steps: int = HORIZON, centre: float | None = None) -> Tr
         memory[step, 5] = rng.integers(0, 4)
         blobs[2 * step] = (step, STEERED, x, 180, 8, 6, 48)
         blobs[2 * step + 1] = (step, FREE, other, 60, 4, 4, 16)
-    return Trace(memory, held, blobs)
+    unchanged = np.zeros((n_steps, N_CELLS // 8), np.uint8)
+    return Trace(memory, held, blobs, unchanged, N_CELLS)
 
 
 def test_the_thing_that_answers_the_buttons_is_the_players(words: Vocabulary) -> None:
@@ -214,7 +218,7 @@ def test_a_byte_that_tells_a_place_by_a_table_is_that_place() -> None:
         x = game.memory[:, 3].astype(int)
         game.memory[:, 3] = (x // 15) | (x % 15) << 4
         games.append(game)
-    words = Vocabulary.of_games(games, np.zeros((210, 160), np.uint8), 2, HORIZON)
+    words = Vocabulary.of_games(games, SCENE, 2, HORIZON)
     group, *others = [g for g in words.groups if g.source == "memory" and g.subject == (3,)]
     # Its rises and falls and its bits mean nothing to anybody.
     assert others == []
@@ -242,7 +246,7 @@ def with_light(seed: int, *, sure: float) -> Trace:
     lamps["width"], lamps["height"], lamps["area"] = 6, 6, 36
     blobs = np.concatenate([game.blobs, lamps])
     blobs = blobs[np.argsort(blobs["step"], kind="stable")]
-    return Trace(game.memory, game.held, blobs)
+    return replace(game, blobs=blobs)
 
 
 @pytest.mark.parametrize(
@@ -254,7 +258,7 @@ def with_light(seed: int, *, sure: float) -> Trace:
 )
 def test_a_byte_is_told_by_what_is_seen_with_it(sure: float, text: str) -> None:
     games = [with_light(seed, sure=sure) for seed in range(20)]
-    words = Vocabulary.of_games(games, np.zeros((210, 160), np.uint8), 2, HORIZON)
+    words = Vocabulary.of_games(games, SCENE, 2, HORIZON)
     pong = game_named("pong")
     lamp = next(i for i, kind in enumerate(words.kinds) if kind.looks[0].colour == 120)
     group = next(
@@ -281,7 +285,7 @@ def test_one_thing_at_several_sizes_and_in_several_colours_is_one_kind() -> None
         game.blobs["width"][steered & (game.blobs["x"] < 60)] = 3
         game.blobs["colour"][steered & (game.blobs["x"] > 100)] = STEERED + 1
         games.append(game)
-    words = Vocabulary.of_games(games, np.zeros((210, 160), np.uint8), 2, HORIZON)
+    words = Vocabulary.of_games(games, SCENE, 2, HORIZON)
     assert len(words.kinds) == 2
     assert words.player is not None
     looks = words.kinds[words.player].looks
@@ -300,8 +304,8 @@ def test_a_thing_that_is_drawn_in_two_parts_is_what_you_steer() -> None:
         feet["x"] += 12
         blobs = np.concatenate([game.blobs, feet])
         blobs = blobs[np.argsort(blobs["step"], kind="stable")]
-        games.append(Trace(game.memory, game.held, blobs))
-    words = Vocabulary.of_games(games, np.zeros((210, 160), np.uint8), 2, HORIZON)
+        games.append(replace(game, blobs=blobs))
+    words = Vocabulary.of_games(games, SCENE, 2, HORIZON)
     assert words.player is not None
     assert words.kinds[words.player].looks[0].colour == STEERED
 
@@ -314,7 +318,7 @@ def test_a_thing_has_the_name_that_the_game_gives_it() -> None:
     games = [played(seed) for seed in range(20)]
     for game in games:
         game.memory[:, 3] = game.blobs["x"][game.blobs["colour"] == FREE].astype(int)
-    words = Vocabulary.of_games(games, np.zeros((210, 160), np.uint8), 2, HORIZON, things)
+    words = Vocabulary.of_games(games, SCENE, 2, HORIZON, things)
     names = {kind.looks[0].colour: kind.name for kind in words.kinds}
     assert names == {STEERED: None, FREE: "lamp"}
 

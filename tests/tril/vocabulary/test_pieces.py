@@ -1,0 +1,175 @@
+"""Pieces of a still picture that is drawn here: dots, which games clear from the left or right."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from PIL import Image
+
+from tests.tril.vocabulary.test_facts import HORIZON, played
+from tril.demonstrators.random_play import play_randomly
+from tril.games import game_named
+from tril.vocabulary.answers import kinds_about, subject_of
+from tril.vocabulary.facts import Vocabulary
+from tril.vocabulary.groups import Aspect
+from tril.vocabulary.pictures import pictures_of
+from tril.vocabulary.pieces import PIECES, gone_pieces
+from tril.vocabulary.pointing import meanings_of
+from tril.vocabulary.sentences import kind_name, phrase, tell
+from tril.vocabulary.trace import Scene, Trace, sampled
+from tril.vocabulary.understanding import understand
+from tril.vocabulary.watched import things_of
+
+DOT = 0x48
+N_DOTS = 12
+LEFTS = [10 + 12 * number for number in range(N_DOTS)]
+TOP = 100
+
+
+def beginning() -> npt.NDArray[np.uint8]:
+    """Return a black screen with a row of dots, and a wall of their colour."""
+    screen = np.zeros((210, 160), np.uint8)
+    for left in LEFTS:
+        screen[TOP : TOP + 2, left : left + 4] = DOT
+    screen[150:154, 10:150] = DOT
+    return screen
+
+
+SCENE = Scene(beginning(), beginning())
+
+
+def clearing(seed: int, order: list[int], *, passing: bool = False) -> Trace:
+    """Return a game in which a dot is cleared every eight steps.
+
+    Args:
+        seed: Of what else happens in it.
+        order: The dots that are cleared.
+        passing: Whether something stands before the last dot for three steps now and then.
+    """
+    game = played(seed)
+    screen = beginning()
+    changed = []
+    for step in range(HORIZON):
+        if step % 8 == 4 and step // 8 < len(order):
+            left = LEFTS[order[step // 8]]
+            screen[TOP : TOP + 2, left : left + 4] = 0
+        shown = screen.copy()
+        if passing and step % 20 < 3:
+            shown[TOP - 4 : TOP + 6, LEFTS[-1] : LEFTS[-1] + 4] = 0x20
+        changed.append(np.packbits(sampled(shown) != sampled(SCENE.beginning)))
+    return replace(game, packed_changed=np.stack(changed))
+
+
+@pytest.fixture(scope="module")
+def words() -> Vocabulary:
+    rng = np.random.default_rng(0)
+    # The last dot is never reached.
+    games = [
+        clearing(seed, rng.permutation(N_DOTS - 1)[:5].tolist(), passing=True) for seed in range(20)
+    ]
+    return Vocabulary.of_games(games, SCENE, 2, HORIZON)
+
+
+def test_what_is_cleared_for_good_is_pieces_and_so_is_what_is_alike(words: Vocabulary) -> None:
+    assert words.pieces is not None
+    expected = np.zeros((210, 160), np.bool_)
+    for left in LEFTS:
+        expected[TOP : TOP + 2, left : left + 4] = True
+    assert np.array_equal(words.pieces, expected)
+
+
+def test_what_passes_clears_nothing(words: Vocabulary) -> None:
+    assert words.pieces is not None
+    gone = gone_pieces(clearing(3, [], passing=True), words.pieces)
+    assert not gone.is_gone.any()
+
+
+def test_games_without_pieces_have_no_groups_about_them() -> None:
+    words = Vocabulary.of_games([played(seed) for seed in range(20)], SCENE, 2, HORIZON)
+    assert words.pieces is None
+    assert not [group for group in words.groups if group.source == "pieces"]
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_an_order_by_where_dots_are_cleared_is_told(words: Vocabulary, side: str) -> None:
+    # As many are cleared in each game; the better ones clear more of them on one side.
+    orders = [[*range(n), *range(N_DOTS - 5 + n, N_DOTS)] for n in range(6)]
+    if side == "left":
+        orders.reverse()
+    games = [clearing(100 + place, order) for place, order in enumerate(orders)]
+    games += [clearing(200 + place, order) for place, order in enumerate(orders)]
+    tiers = [[place, place + 6] for place in range(6)]
+    summaries = np.stack([words.summary(words.facts(game)) for game in games])
+    understood = understand(words, summaries, tiers)
+    told = tell(words, understood.posterior, game_named("pong"))[0]
+    assert told.sentence.startswith("more ")
+    assert " gone " in told.sentence
+    ways = {"left": ("less than", "to the left"), "right": ("more than", "to the right")}
+    assert any(way in told.sentence for way in ways[side])
+    assert told.kinds == (PIECES,)
+
+
+def test_a_vocabulary_with_pieces_is_read_as_it_was_written(
+    words: Vocabulary, tmp_path: Path
+) -> None:
+    path = tmp_path / "words.npz"
+    words.save(path)
+    again = Vocabulary.load(path)
+    game = clearing(3, [1, 2])
+    assert np.array_equal(again.facts(game), words.facts(game))
+    assert np.array_equal(again.scene.beginning, SCENE.beginning)
+
+
+def test_pieces_are_told_in_every_way(words: Vocabulary) -> None:
+    pong = game_named("pong")
+    name = kind_name(words, PIECES, pong)
+    aspects: dict[Aspect, tuple[list[float], str]] = {
+        "gone": ([1, 0], f"more {name} gone"),
+        "gone x": ([1, 0, 0, 0, 0, 0], f"more {name} gone less than "),
+    }
+    for aspect, (weights, text) in aspects.items():
+        group = next(g for g in words.groups if (g.source, g.aspect) == ("pieces", aspect))
+        assert phrase(words, group, np.array(weights), pong).text.startswith(text)
+        assert kinds_about(words, [subject_of(words, group)]) == (PIECES,)
+    sentences = [one.sentence for one in meanings_of(words, pong) if one.kind == PIECES]
+    assert sentences == [f"more or fewer {name} gone", f"{name} gone further to the left or right"]
+
+
+def test_a_byte_that_counts_what_is_cleared_is_told_by_it() -> None:
+    games = []
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        game = clearing(seed, rng.permutation(N_DOTS)[: rng.integers(3, 9)].tolist())
+        n_gone = (game.changed.sum(1) / 2).round().astype(np.uint8)
+        game.memory[:, 6] = n_gone
+        games.append(game)
+    words = Vocabulary.of_games(games, SCENE, 2, HORIZON)
+    about = ("memory", (6,), "changes")
+    found = next(g for g in words.groups if (g.source, g.subject, g.aspect) == about)
+    told = phrase(words, found, np.array([1.0, 0.0, 0.0]), game_named("pong"))
+    assert told.text.endswith("cleared more often")
+    assert told.kind == PIECES
+
+
+def test_pieces_can_be_pointed_at_while_they_are_there(words: Vocabulary) -> None:
+    things = things_of(clearing(3, [4]), words)
+    pieces = things[things["kind"] == PIECES]
+    assert np.array_equal(np.unique(pieces["left"]), LEFTS)
+    after = pieces[pieces["step"] == 50]
+    assert set(LEFTS) - set(after["left"].tolist()) == {LEFTS[4]}
+    assert set(after["width"].tolist()) == {4}
+
+
+def test_a_picture_shows_where_the_pieces_are(words: Vocabulary) -> None:
+    pong = game_named("pong")
+    console = pong.make_console()
+    recording = play_randomly(np.random.default_rng(0), console).recording
+    png = pictures_of(words, [recording], console)[PIECES]
+    console.close()
+    with Image.open(io.BytesIO(png)) as picture:
+        assert picture.size == (LEFTS[-1] + 4 - LEFTS[0], 2)

@@ -1,0 +1,203 @@
+"""Pieces of the still picture that a game clears or paints: bricks, dots, shields, tiles.
+
+They are where a game's screen begins alike every time, changes and does not change back. What is
+alike in size belongs to them, too, also where varied play has not reached it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from tril.vocabulary.groups import Group, binned
+from tril.vocabulary.kinds import Array
+from tril.vocabulary.trace import Scene, Trace, sampled
+
+Mask = npt.NDArray[np.bool_]
+
+PIECES = 255
+"""Stands for the pieces where things are named by the index of their kind."""
+
+LASTING_STEPS = 8
+"""Steps, half a second, for which a place has to look changed: longer than a thing passes it."""
+MIN_STEPS_LEFT = 15
+"""Of a game after a change, for it to tell whether the place changes back."""
+STAYING_SHARE = 0.9
+"""Of the steps after a change, those in which the place looks changed, to be cleared for good."""
+MOST_RETURNS = 0.05
+"""Of the games in which a place changes, those in which it changes back."""
+MIN_GAMES = 2
+"""In which a place is cleared for good."""
+REACHED_SHARE = 0.1
+"""Of an area of one colour, what is cleared in some game, for the area to be pieces as a whole."""
+MIN_CELLS = 8
+MIN_GAMES_SHARE = 0.2
+"""Of the games, those in which something is cleared, for a game to have pieces."""
+MOST_OF_SCREEN = 0.5
+"""What covers more of the screen is a picture that moves."""
+MOST_AREA = 0.05
+"""Of the screen: a larger area of one colour is what is behind the pieces."""
+
+
+def lasting(changed: Mask) -> Mask:
+    """Return where a place looks changed for a while from a step on, bool (n_steps, n_cells).
+
+    Args:
+        changed: Where it looks changed, of the same shape.
+    """
+    lasts = changed.copy()
+    for lag in range(1, LASTING_STEPS):
+        lasts[:-lag] &= changed[lag:]
+    return lasts
+
+
+def find_pieces(traces: Sequence[Trace], scene: Scene) -> Mask | None:
+    """Return which pixels are pieces, bool (height, width); None if the game has none.
+
+    Args:
+        traces: Varied games.
+        scene: What the game's screen looks like.
+    """
+    n_cells = sampled(scene.beginning).size
+    cleared, returned = np.zeros(n_cells, np.int64), np.zeros(n_cells, np.int64)
+    n_clearing = 0
+    is_still = sampled(scene.beginning == scene.background).ravel()
+    for played in traces:
+        changed = played.changed
+        lasts = lasting(changed)[:-MIN_STEPS_LEFT]
+        if not len(lasts):
+            continue
+        first = lasts.argmax(0)
+        # (n_steps + 1, n_cells): steps from each one on in which a place looks changed.
+        left = np.cumsum(changed[::-1], 0, dtype=np.int32)[::-1]
+        cells = np.arange(n_cells)
+        share = left[first, cells] / (len(changed) - first)
+        is_cleared = lasts.any(0) & (share >= STAYING_SHARE) & is_still
+        cleared += is_cleared
+        returned += lasts.any(0) & ~is_cleared
+        n_clearing += bool(is_cleared.any())
+    found = (cleared >= MIN_GAMES) & (returned <= MOST_RETURNS * (cleared + returned))
+    mask = _with_alike(found, scene.beginning)
+    n_found = int(sampled(mask).sum())
+    if n_found < MIN_CELLS or n_found > MOST_OF_SCREEN * n_cells:
+        return None
+    return mask if n_clearing >= MIN_GAMES_SHARE * len(traces) else None
+
+
+def _with_alike(found: Mask, beginning: npt.NDArray[np.uint8]) -> Mask:
+    """Return the pixels of areas of one colour that are cleared, and of those alike in size.
+
+    Args:
+        found: Which cells are cleared, bool (n_cells,).
+        beginning: Colours of the screen at the beginning, uint8 (height, width).
+    """
+    grid = np.zeros_like(sampled(beginning), np.bool_)
+    cells = np.flatnonzero(found)
+    grid.ravel()[cells] = True
+    reached = _spread_out(grid, beginning.shape)
+    sizes: set[tuple[int, ...]] = set()
+    areas: list[tuple[tuple[int, ...], Mask]] = []
+    for colour in np.unique(beginning):
+        n_areas, labels, stats, _ = cv2.connectedComponentsWithStats(
+            (beginning == colour).view(np.uint8), connectivity=8
+        )
+        n_reached = np.bincount(labels[reached], minlength=n_areas)
+        for index in range(1, n_areas):
+            size = tuple(stats[index, [cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT, cv2.CC_STAT_AREA]])
+            if size[2] > MOST_AREA * beginning.size:
+                continue
+            areas.append((size, labels == index))
+            if n_reached[index] >= REACHED_SHARE * size[2]:
+                sizes.add(size)
+    mask = np.zeros(beginning.shape, np.bool_)
+    for size, area in areas:
+        mask |= area & (reached | (size in sizes))
+    return mask
+
+
+def _spread_out(grid: Mask, shape: tuple[int, ...]) -> Mask:
+    """Return the pixels that the cells of a sampled screen stand for, bool (height, width)."""
+    strides = [-(-size // cells) for size, cells in zip(shape, grid.shape, strict=True)]
+    pixels: Mask = np.kron(grid, np.ones(strides, np.bool_))[: shape[0], : shape[1]]
+    return pixels
+
+
+@dataclass(frozen=True, eq=False)
+class GonePieces:
+    """What of the pieces is gone in a game.
+
+    Attributes:
+        is_gone: In each step, bool (n_steps, n_cells).
+        x: Where each cell is in pixels, int64 (n_cells,).
+        y: The same, downwards.
+    """
+
+    is_gone: Mask
+    x: npt.NDArray[np.int64]
+    y: npt.NDArray[np.int64]
+
+    def facts(self, group: Group) -> Array:
+        """Return the facts of a group about pieces, float32 (n_steps, n_facts), 0 to 1."""
+        if group.aspect == "gone":
+            share = self.is_gone.mean(1, dtype=np.float32)
+            return np.stack([share, np.diff(share, prepend=share[:1]) > 0], 1)
+        place = self.y if group.aspect == "gone y" else self.x
+        in_bin = binned(place.astype(np.float32), group.edges)
+        shares: Array = self.is_gone.astype(np.float32) @ (in_bin / in_bin.sum(0).clip(1))
+        return shares
+
+
+def gone_pieces(played: Trace, pieces: Mask) -> GonePieces:
+    """Return what of the pieces is gone in a game.
+
+    Args:
+        played: The game.
+        pieces: Which pixels are pieces.
+    """
+    rows, columns = cells_of(pieces)
+    own = np.flatnonzero(sampled(pieces))
+    return GonePieces(lasting(played.changed[:, own]), columns, rows)
+
+
+@dataclass(frozen=True, eq=False)
+class Areas:
+    """Connected areas of pieces: single dots, a wall of bricks.
+
+    Attributes:
+        boxes: Left, top, width and height of each in pixels, int64 (n_areas, 4).
+        of_cell: The index of the area of each cell, int64 (n_cells,).
+    """
+
+    boxes: npt.NDArray[np.int64]
+    of_cell: npt.NDArray[np.int64]
+
+    @classmethod
+    def of(cls, pieces: Mask) -> Areas:
+        """Return the areas of some pieces, bool (height, width)."""
+        _, labels, stats, _ = cv2.connectedComponentsWithStats(
+            pieces.astype(np.uint8), connectivity=8
+        )
+        # Component 0 is what is not in the mask.
+        boxes = stats[1:, : cv2.CC_STAT_AREA].astype(np.int64)
+        return cls(boxes, sampled(labels)[sampled(pieces)].astype(np.int64) - 1)
+
+    def are_there(self, is_gone: Mask) -> Mask:
+        """Return of which areas something is there, bool (n_steps, n_areas).
+
+        Args:
+            is_gone: Which cells are gone, bool (n_steps, n_cells).
+        """
+        in_area = np.arange(len(self.boxes)) == self.of_cell[:, None]
+        return (~is_gone).astype(np.float32) @ in_area.astype(np.float32) > 0
+
+
+def cells_of(mask: Mask) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    """Return row and column in pixels of each cell that a mask covers."""
+    small = sampled(mask)
+    rows, columns = np.nonzero(small)
+    stride_y, stride_x = (-(-size // n) for size, n in zip(mask.shape, small.shape, strict=True))
+    return rows * stride_y, columns * stride_x
