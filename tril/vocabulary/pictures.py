@@ -18,8 +18,7 @@ from tril.recording import Recording, replay
 from tril.vocabulary.blobs import Blobs, box_of
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.pieces import PIECES, Mask
-from tril.vocabulary.sentences import rgb_of
-from tril.vocabulary.trace import colours_of, trace
+from tril.vocabulary.trace import colours_of, rgb_of, trace
 
 SIZE_PX = 32
 """Width and height of a picture, in pixels of the game; twice as much for a larger thing."""
@@ -57,7 +56,9 @@ def pictures_of(
                 shown[int(blob["step"])].append((kind, blob))
         pictures |= _cut(recording, console, shown)
     if words.pieces is not None:
-        pictures[PIECES] = _lit(words.scene.beginning, words.pieces, recordings[0].game)
+        pictures[PIECES] = _picture_of_pieces(
+            words.scene.beginning, words.pieces, recordings[0].game
+        )
     return pictures
 
 
@@ -136,14 +137,25 @@ def _rgb(screen: Screen, game: Game) -> Screen:
     return rgb
 
 
-def _lit(colours: Screen, pieces: Mask, game: Game) -> bytes:
-    """Return a PNG of the part of the screen in which there are pieces, the rest of it dimmed."""
-    rgb = np.rint(rgb_of(colours, game)).astype(np.uint8)
+def lit(colours: Screen, pieces: Mask, game: Game) -> Screen:
+    """Return a screen on which all but the pieces is dimmed, uint8 (height, width, 3).
+
+    Args:
+        colours: Colour numbers of the screen, uint8 (height, width).
+        pieces: Which pixels are pieces, bool (height, width).
+        game: The game.
+    """
+    rgb = np.rint(rgb_of(colours, game))
+    shown: Screen = np.where(pieces[..., None], rgb, rgb * DIMMED).astype(np.uint8)
+    return shown
+
+
+def _picture_of_pieces(colours: Screen, pieces: Mask, game: Game) -> bytes:
+    """Return a PNG of the part of a screen in which there are pieces."""
     rows, columns = (np.flatnonzero(pieces.any(axis)) for axis in (1, 0))
     box = (slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1))
-    picture = np.where(pieces[..., None], rgb, (rgb * DIMMED).astype(np.uint8))[box]
     file = io.BytesIO()
-    Image.fromarray(picture).save(file, "PNG", optimize=True)
+    Image.fromarray(lit(colours, pieces, game)[box]).save(file, "PNG", optimize=True)
     return file.getvalue()
 
 

@@ -65,7 +65,9 @@ def find_pieces(traces: Sequence[Trace], scene: Scene) -> Mask | None:
     n_cells = sampled(scene.beginning).size
     cleared, returned = np.zeros(n_cells, np.int64), np.zeros(n_cells, np.int64)
     n_clearing = 0
-    is_still = sampled(scene.beginning == scene.background).ravel()
+    n_steps = sum(played.n_steps for played in traces)
+    # What is there at the beginning and stands somewhere else most of the time is a thing.
+    is_still = sum(played.changed.sum(0, dtype=np.int64) for played in traces) < n_steps / 2
     for played in traces:
         changed = played.changed
         lasts = lasting(changed)[:-MIN_STEPS_LEFT]

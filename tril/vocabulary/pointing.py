@@ -25,9 +25,9 @@ _OF_RELATION = {
     "near": "{player} near {thing} or away from it",
 }
 _OF_PIECES = {
-    "gone": "more or fewer {pieces} gone",
-    "gone x": "{pieces} gone further to the left or right",
-    "gone y": "{pieces} gone higher up or lower down",
+    "gone": "more or fewer {pieces} cleared",
+    "gone x": "{pieces} cleared further to the left or right",
+    "gone y": "{pieces} cleared higher up or lower down",
 }
 _OF_MEMORY = {
     "value": "{memory}: larger or smaller",

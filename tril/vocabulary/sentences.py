@@ -14,6 +14,7 @@ from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.groups import Group, Sign
 from tril.vocabulary.pieces import PIECES
 from tril.vocabulary.posterior import Posterior, Statement
+from tril.vocabulary.trace import rgb_of
 
 Array = npt.NDArray[np.float64]
 
@@ -206,10 +207,10 @@ def _of_seen(words: Vocabulary, group: Group, weights: Array, game: Game) -> str
     if group.source == "pieces":
         pieces = pieces_name(words, game)
         if group.aspect != "gone":
-            return f"more {pieces} gone {_range(group, weights, group.aspect[-1])}"
+            return f"more {pieces} cleared {_range(group, weights, group.aspect[-1])}"
         fact = _telling_fact(words, group, weights)
         if fact == 0:
-            return f"{'more' if weights[fact] > 0 else 'fewer'} {pieces} gone"
+            return f"{'more' if weights[fact] > 0 else 'fewer'} {pieces} cleared"
         return f"{pieces} cleared {'more' if weights[fact] > 0 else 'less'} often"
     name = kind_name(words, group.subject[-1], game)
     if group.aspect == "count":
@@ -347,9 +348,9 @@ def _clause(words: Vocabulary, sign: Sign, game: Game) -> str:
     if group.source == "pieces":
         pieces = pieces_name(words, game)
         if group.aspect == "gone":
-            return f"{pieces} are {('gone', 'cleared')[fact]}"
+            return f"{pieces} are {('cleared', 'being cleared')[fact]}"
         weights = np.eye(group.n_facts)[fact]
-        return f"{pieces} are gone {_span(*_bounds(group, weights), group.aspect[-1])}"
+        return f"{pieces} are cleared {_span(*_bounds(group, weights), group.aspect[-1])}"
     name = kind_name(words, group.subject[-1], game)
     if group.aspect == "count":
         return f"{name} is there" if fact == 0 else f"there are more of {name}"
@@ -452,17 +453,6 @@ def pieces_name(words: Vocabulary, game: Game) -> str:
     if amounts[colour] < ONE_COLOUR * amounts.sum():
         return "pieces of the picture"
     return f"{colour_name(rgb_of(colour, game))} pieces"
-
-
-def rgb_of(colours: npt.NDArray[np.uint8] | int, game: Game) -> Array:
-    """Return red, green and blue of colour numbers, float64 (..., 3), 0 to 255."""
-    palette = game.screen.palette
-    if palette is not None:
-        rgb: Array = palette[colours].astype(np.float64)
-        return rgb
-    number = np.asarray(colours)
-    parts = [number & 0xE0, (number & 0x1C) << 3, (number & 3) << 6]
-    return np.stack(parts, -1).astype(np.float64) + 16
 
 
 def colour_name(rgb: Array) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,6 +22,9 @@ SAMPLED_SIZE = (105, 80)
 BEGINNING_STEPS = 3
 """First steps of a game that show what it looks like at the beginning."""
 
+LUMINANCE = (0.299, 0.587, 0.114)
+"""Of red, green and blue (ITU-R BT.601)."""
+
 LookAtStep = Callable[[list[Screen], bytes, bytes], None]
 """Called after each step: the screens of its last two frames, the memory, the step's actions."""
 
@@ -32,7 +35,7 @@ class Scene:
 
     Attributes:
         background: Most frequent colour of each pixel, uint8 (height, width).
-        beginning: The same of the first steps of a game.
+        beginning: The same of the first steps of a game, see `brightest`.
     """
 
     background: Screen
@@ -91,6 +94,31 @@ def colours_of(screen: Screen, game: Game) -> Screen:
     return colours
 
 
+def rgb_of(colours: npt.NDArray[np.uint8] | int, game: Game) -> npt.NDArray[np.float64]:
+    """Return red, green and blue of colour numbers, float64 (..., 3), 0 to 255."""
+    palette = game.screen.palette
+    if palette is not None:
+        rgb: npt.NDArray[np.float64] = palette[colours].astype(np.float64)
+        return rgb
+    number = np.asarray(colours)
+    parts = [number & 0xE0, (number & 0x1C) << 3, (number & 3) << 6]
+    return np.stack(parts, -1).astype(np.float64) + 16
+
+
+def brightest(screens: Sequence[Screen], game: Game) -> Screen:
+    """Return the brighter colour of each pixel of two frames, so that what flickers is seen.
+
+    Observations have it, too (maximum of the last two frames).
+
+    Args:
+        screens: Colour numbers of one or two frames.
+        game: The game.
+    """
+    first, last = screens[0], screens[-1]
+    luminance = rgb_of(np.arange(256), game) @ LUMINANCE
+    return np.where(luminance[first] > luminance[last], first, last)
+
+
 def look_at_steps(recording: Recording, console: Console, look: LookAtStep) -> None:
     """Replay a recording and look at every step; one that the end cuts short is left out.
 
@@ -125,7 +153,7 @@ def count_background(
         if number % 3 == 0:
             background.add(screens[-1])
         if number < BEGINNING_STEPS:
-            beginning.add(screens[-1])
+            beginning.add(brightest(screens, recording.game))
         number += 1
 
     look_at_steps(recording, console, look)
@@ -153,7 +181,8 @@ def trace(recording: Recording, console: Console, scene: Scene) -> Trace:
         of_step = _blobs_of_step(screens, scene.background)
         of_step["step"] = len(memory)
         blobs.append(of_step)
-        changed.append(np.packbits(sampled(screens[-1]) != beginning))
+        shown = brightest([sampled(screen) for screen in screens], recording.game)
+        changed.append(np.packbits(shown != beginning))
         memory.append(np.frombuffer(ram, np.uint8))
         action = int(np.bincount(np.frombuffer(actions, np.uint8)).argmax())
         held.append(controls.held[action])

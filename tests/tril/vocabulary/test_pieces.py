@@ -108,7 +108,7 @@ def test_an_order_by_where_dots_are_cleared_is_told(words: Vocabulary, side: str
     understood = understand(words, summaries, tiers)
     told = tell(words, understood.posterior, game_named("pong"))[0]
     assert told.sentence.startswith("more ")
-    assert " gone " in told.sentence
+    assert " cleared " in told.sentence
     ways = {"left": ("less than", "to the left"), "right": ("more than", "to the right")}
     assert any(way in told.sentence for way in ways[side])
     assert told.kinds == (PIECES,)
@@ -129,15 +129,18 @@ def test_pieces_are_told_in_every_way(words: Vocabulary) -> None:
     pong = game_named("pong")
     name = kind_name(words, PIECES, pong)
     aspects: dict[Aspect, tuple[list[float], str]] = {
-        "gone": ([1, 0], f"more {name} gone"),
-        "gone x": ([1, 0, 0, 0, 0, 0], f"more {name} gone less than "),
+        "gone": ([1, 0], f"more {name} cleared"),
+        "gone x": ([1, 0, 0, 0, 0, 0], f"more {name} cleared less than "),
     }
     for aspect, (weights, text) in aspects.items():
         group = next(g for g in words.groups if (g.source, g.aspect) == ("pieces", aspect))
         assert phrase(words, group, np.array(weights), pong).text.startswith(text)
         assert kinds_about(words, [subject_of(words, group)]) == (PIECES,)
     sentences = [one.sentence for one in meanings_of(words, pong) if one.kind == PIECES]
-    assert sentences == [f"more or fewer {name} gone", f"{name} gone further to the left or right"]
+    assert sentences == [
+        f"more or fewer {name} cleared",
+        f"{name} cleared further to the left or right",
+    ]
 
 
 def test_a_byte_that_counts_what_is_cleared_is_told_by_it() -> None:
