@@ -252,7 +252,8 @@ class _Games:
         )
         spread = np.maximum(sums.std(0), SPREAD_FLOOR)
         # Rows as in `self.facts`: the games, then the varied ones that they are compared with.
-        values = np.concatenate([sums[len(self.words.pool) :], sums[:N_COMPARED]])
+        n_compared = len(self.facts) - self.n_games
+        values = np.concatenate([sums[len(self.words.pool) :], sums[:n_compared]])
         values = (values - values.mean(0)) / spread
         n_shapes = [len(one.shares) for one in shapes]
         group_of = np.repeat(np.arange(len(shapes)), n_shapes)
