@@ -53,7 +53,7 @@ PRIOR_SHARES: dict[Role, float] = {
     "place": 0.25,
     "relation": 0.2,
     "thing": 0.2,
-    "pieces": 0.1,
+    "pieces": 0.05,
     "memory": 0.25,
     "button": 0.05,
     "time": 0.05,
