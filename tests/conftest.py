@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from collections.abc import Generator, Iterator
 from pathlib import Path
@@ -32,6 +33,19 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
         return is_browsers or None
     is_beside = collection_path.parent == BROWSER_TESTS.parent and not is_browsers
     return (config.option.markexpr == "e2e" and is_beside) or None
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """Keep imported objects out of garbage collections, an eighth of the server tests' time."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.collect()
+        gc.freeze()
+        gc.enable()
+        gc.set_threshold(10_000)
 
 
 @pytest.hookimpl(wrapper=True)
