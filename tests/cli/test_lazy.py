@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import subprocess
 import sys
 from importlib.metadata import version
@@ -48,6 +49,7 @@ def test_too_little_memory_for_a_command_is_said_in_one_sentence(
 def test_a_module_that_is_missing_is_no_lack_of_memory() -> None:
     with pytest.raises(ModuleNotFoundError):
         LazyCommand("x", "cli.commands.nothing:x", "").make_context("x", [])
+    assert gc.isenabled()
 
 
 def test_too_little_memory_within_a_command_is_said_in_one_sentence(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import errno
 import fcntl
-import gc
 import logging
 import os
 import secrets
@@ -82,8 +81,6 @@ def run_worker(
             _work(settings, database, name, stopping, lost_after_s, until_empty)
     finally:
         database.close()
-        # At the lowest priority the collection of all of PyTorch at exit takes seconds.
-        gc.freeze()
 
 
 def _work(
