@@ -32,7 +32,7 @@ export function GamePage({ name }: { name: string }) {
     return (
       <Empty level="h1" title={t`Game not found`} picture={<LostGame />} actions={<AllGames />}>
         <p>
-          <Trans>The address is wrong, or what brings the game is not installed.</Trans>
+          <Trans>The address is wrong, or the package with this game is not installed.</Trans>
         </p>
       </Empty>
     );

@@ -125,7 +125,11 @@ export function WatchPage({ run, behaviour }: { run: Run; behaviour: Behaviour }
         />
         {players.length < MAX_PLAYERS && (
           <Button icon="plus" onClick={() => setPlayers([...players, furtherPlayer(players)])}>
-            <Plural value={players.length} one="Another beside it" other="Another beside them" />
+            <Plural
+              value={players.length}
+              one="Add another beside it"
+              other="Add another beside them"
+            />
           </Button>
         )}
       </div>
@@ -151,9 +155,7 @@ function Situation({ state, onAgain }: { state: WatchState | null; onAgain: () =
       return (
         <Notice tone="calm" icon="clock" live>
           <p>
-            <Trans>
-              Waiting for the policy. The machine has other work; the games stand still meanwhile.
-            </Trans>
+            <Trans>Waiting for the policy. The machine is busy; the games wait meanwhile.</Trans>
           </p>
         </Notice>
       );
