@@ -5,6 +5,7 @@ import "uplot/dist/uPlot.min.css";
 import { type KeyboardEvent, useEffect, useId, useMemo, useReducer, useRef, useState } from "react";
 import uPlot from "uplot";
 
+import { type EndLabel, EndLabels } from "@/features/results/labels/EndLabels";
 import { onThemeChange } from "@/lib/browser/css-colour";
 import { measured, NONE, stepLabels, whole } from "@/lib/format";
 import { ofSigns } from "@/lib/browser/pressed-keys";
@@ -13,7 +14,6 @@ import styles from "./Chart.module.css";
 import { chartData, type ChartData, type Curve, decimate, type XRange } from "./chart-data";
 import { chartOptions, HEIGHT_PX, type LineStyle, type XLabels } from "./chart-options";
 import { movedCursor, shownEnds } from "./cursor";
-import { type EndLabel, EndLabels } from "./EndLabels";
 import { selected, type Zoom, zoomedIn, zoomedOut } from "./zoom";
 
 interface ChartProps {

@@ -13,7 +13,7 @@ import { actorColour, actorNames } from "@/lib/actors";
 import { fixed } from "@/lib/format";
 import type { Playback } from "@/lib/game/playback";
 import { stepOf } from "@/lib/recordings";
-import { spreadLabels } from "@/lib/spread-labels";
+import { spreadLabels } from "@/features/results/labels/spread-labels";
 
 import styles from "./RewardInStep.module.css";
 import type { ShownGame } from "./shown-games";

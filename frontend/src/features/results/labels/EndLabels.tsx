@@ -3,7 +3,7 @@ import type uPlot from "uplot";
 
 import { classes } from "@/lib/classes";
 
-import { spreadLabels } from "@/lib/spread-labels";
+import { spreadLabels } from "./spread-labels";
 import styles from "./EndLabels.module.css";
 
 /** What stands at the end of a line. */

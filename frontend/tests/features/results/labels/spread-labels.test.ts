@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 
-import { spreadLabels } from "@/lib/spread-labels";
+import { spreadLabels } from "@/features/results/labels/spread-labels";
 
 describe("labels", () => {
   it("stand at the ends of lines that are far apart", () => {
