@@ -64,7 +64,8 @@ def write_recordings(workplace: Workplace, number: int, n_ranked: int) -> list[i
             taken = [[int(cell) // 6, int(cell) % 6, 30 * at] for at, cell in enumerate(cells)]
             source = Source.PERSON if place % 3 else Source.SCRIPTED
             counters = {"shots": len(taken) + 3}
-            values.append(copied | {"taken": taken, "source": source, "counters": counters})
+            own = {"number": len(workplace.ranked) + place + 1}  # Its id: ids are given in turn.
+            values.append(copied | own | {"taken": taken, "source": source, "counters": counters})
         session.execute(insert(RecordingRow), values)
         ids = list(session.scalars(select(RecordingRow.id).order_by(RecordingRow.id.desc())))
         tiers = [[key] for key in ids[-n_ranked:]]

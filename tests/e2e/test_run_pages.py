@@ -87,7 +87,7 @@ def test_a_chart_is_zoomed_and_read_by_mouse_and_keyboard(
 ) -> None:
     path = f"/runs/compare?run={compared[0]}&run={compared[1]}"
     with signed_in(browser, built, path, viewport=DESKTOP) as page:
-        chart = page.get_by_role("slider", name="How undecided it is (entropy): cursor")
+        chart = page.get_by_role("slider", name="Indecision (entropy): cursor")
         expect(chart).to_have_attribute("aria-valuenow", "199000")
         drag_over(page)
         zoomed = page.get_by_role("button", name="Zoom out")
@@ -109,7 +109,7 @@ def test_a_chart_is_zoomed_and_read_by_mouse_and_keyboard(
 
 def drag_over(page: Page) -> None:
     """Select the second quarter of the chart."""
-    chart = page.get_by_role("slider", name="How undecided it is (entropy): cursor")
+    chart = page.get_by_role("slider", name="Indecision (entropy): cursor")
     chart.scroll_into_view_if_needed()
     box = chart.bounding_box()
     assert box is not None

@@ -65,7 +65,7 @@ def test_an_imitator_is_watched_stepped_and_taken_over(
         )
         expect(lane.get_by_role("img", name="What the reward looks at")).to_be_visible()
         expect(lane.get_by_text(re.compile(r"up to .* R$"))).to_be_visible()
-        page.get_by_role("combobox", name="Over the picture").select_option("Picture alone")
+        page.get_by_role("combobox", name="Over the picture").select_option("Picture only")
         expect(lane.get_by_role("img", name="What the reward looks at")).to_have_count(0)
         page.get_by_role("combobox", name="Over the picture").blur()
 
@@ -108,7 +108,7 @@ def test_several_policies_are_watched_side_by_side_on_a_phone(
     path = f"/runs/{run_id}/watch?player=imitator.greedy&player=clone.greedy&start=2"
     with signed_in(browser, built, path, viewport=PHONE) as page:
         expect(page.get_by_role("article")).to_have_count(2)
-        page.get_by_role("button", name="Another beside them").click()
+        page.get_by_role("button", name="Add another beside them").click()
         expect(page.get_by_role("article")).to_have_count(3)
         expect(page.get_by_text(FIRST_STEP)).not_to_have_text(NOT_BEGUN, timeout=PATIENCE_MS)
         width = page.evaluate("document.documentElement.scrollWidth")

@@ -2,6 +2,7 @@ import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 
 import { ButtonLink } from "@/components/controls/Button";
+import { LostGame } from "@/components/feedback/LostGame";
 import { Empty } from "@/components/feedback/States";
 
 /** Shown for an unknown address. */
@@ -10,6 +11,7 @@ export function NotFound() {
     <Empty
       level="h1"
       title={t`Page not found`}
+      picture={<LostGame />}
       actions={
         <ButtonLink to="/">
           <Trans>All behaviours</Trans>

@@ -1,5 +1,5 @@
 import { Trans } from "@lingui/react/macro";
-import type { CSSProperties, ReactNode } from "react";
+import type { CSSProperties, ReactElement, ReactNode } from "react";
 
 import { messageOf } from "@/api/client";
 import { Button } from "@/components/controls/Button";
@@ -40,8 +40,8 @@ export function Empty({
   actions,
 }: {
   title: string;
-  /** URL of what it is about. */
-  picture?: string;
+  /** What it is about: a URL, or what is drawn on a screen. */
+  picture?: string | ReactElement;
   /** "h1" where it is all that the page has. */
   level?: "h1" | "h2";
   children?: ReactNode;
@@ -49,7 +49,11 @@ export function Empty({
 }) {
   return (
     <div className={classes(styles.state, picture !== undefined && styles.pictured)}>
-      {picture !== undefined && <img className={styles.picture} src={picture} alt="" />}
+      {typeof picture === "string" ? (
+        <img className={styles.picture} src={picture} alt="" />
+      ) : (
+        picture && <div className={styles.picture}>{picture}</div>
+      )}
       <Heading>{title}</Heading>
       {children}
       {actions && <div className={styles.actions}>{actions}</div>}

@@ -159,7 +159,7 @@ function colourOf(colour: string | undefined): CSSProperties {
 }
 
 /** Returns the vertical position of a level; 0, 1 and the bands are always within the plot. */
-function scaleOf(curves: readonly RewardLevels[]): (level: number) => number {
+export function scaleOf(curves: readonly RewardLevels[]): (level: number) => number {
   const around = (sign: 1 | -1) =>
     curves.flatMap(({ levels, deviations }) =>
       levels.map((level, step) => level + sign * (deviations?.[step] ?? 0)),

@@ -195,7 +195,7 @@ function Target({ game, value, noTarget, onChange }: TargetProps) {
           )}
           <Checkbox
             label={t`The order matters`}
-            hint={t`They are to be hit in the order in which you pick them.`}
+            hint={t`Hit them in the order you pick them.`}
             checked={value.ordered}
             onChange={(ordered) => onChange({ ordered })}
           />

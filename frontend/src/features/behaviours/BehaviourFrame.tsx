@@ -11,6 +11,7 @@ import { runsQuery } from "@/api/runs";
 import type { Behaviour } from "@/api/types";
 import { ButtonLink, IconButton } from "@/components/controls/Button";
 import { Icon } from "@/components/controls/Icon";
+import { LostGame } from "@/components/feedback/LostGame";
 import { Empty, Failed, Loading } from "@/components/feedback/States";
 import { PageTitle } from "@/components/PageTitle";
 import { useOnlyPlays } from "@/components/people/use-only-plays";
@@ -44,6 +45,7 @@ export function BehaviourFrame({ behaviourId, looking = false, children }: Behav
       <Empty
         level="h1"
         title={t`Behaviour not found`}
+        picture={<LostGame />}
         actions={
           <ButtonLink to="/">
             <Trans>All behaviours</Trans>

@@ -34,7 +34,7 @@ export function actionOf(entry: Pick<AuditEntry, "action" | "subject" | "details
     renamed: t`renamed ${subject}`,
     changed: t`changed ${subject}`,
     "marked as perfect": t`marked ${subject} as perfect`,
-    "unmarked as perfect": t`took the mark of a perfect game from ${subject}`,
+    "unmarked as perfect": t`removed the perfect mark from ${subject}`,
     "wrote notes": t`wrote notes on ${subject}`,
     imported: t`imported ${subject}`,
     exported: t`exported ${subject}`,

@@ -250,7 +250,7 @@ export function RankingDesk({ behaviour, ranking, recordings, isWhole }: Ranking
               saver={saver}
               onTurnRound={() => {
                 saver.change(turnRound(tiers));
-                setSpoken(t`The order is turned round: what was worst is best.`);
+                setSpoken(t`The order is reversed: what was worst is best.`);
               }}
             >
               <Hints

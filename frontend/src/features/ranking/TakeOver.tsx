@@ -55,8 +55,8 @@ export function TakeOver({ behaviour, recordings, onTaken }: TakeOverProps) {
     <div className={styles.takeOver} role="group" aria-label={t`Games of another behaviour`}>
       <p>
         <Trans>
-          Games that you ranked for another behaviour serve here, too. Their order comes along, to
-          be changed or turned round.
+          Games that you ranked for another behaviour can be used here, too. They keep their order,
+          which you can change or reverse.
         </Trans>
       </p>
       <div className={styles.choice}>

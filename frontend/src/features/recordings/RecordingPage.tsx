@@ -101,7 +101,8 @@ export function RecordingPage({
             onRetry={() => void frames.refetch()}
           />
         ) : (
-          <Loading what={t`the recording`} rows={1} height="24rem" />
+          // What is beside it stays below it on a phone.
+          <Loading what={t`the recording`} rows={1} height="max(24rem, 80dvh)" />
         )}
         <aside className={styles.side} aria-label={t`About this recording`}>
           <Facts recording={recording} behaviour={behaviour} />

@@ -58,7 +58,7 @@ export function MoreSettings({ values, errors, recipe, open, onChange }: MoreSet
         {recipe.values.method !== "gail" && (
           <Checkbox
             label={t`Go on anyway`}
-            hint={t`A run stops after the check if the learned reward disagrees with the ranking. With this box ticked it trains the imitator all the same.`}
+            hint={t`A run stops after the check if the learned reward disagrees with the ranking. With this box ticked, it trains the imitator anyway.`}
             checked={values.goOnAnyway}
             onChange={(goOnAnyway) => onChange({ goOnAnyway })}
           />

@@ -136,7 +136,7 @@ export function TrainForm(props: TrainFormProps) {
           <p>
             <Trans>
               Your last order is not saved yet, and a run would learn from the one before.{" "}
-              <Link to={`/behaviours/${behaviour.id}/rank`}>See to it under Rank.</Link>
+              <Link to={`/behaviours/${behaviour.id}/rank`}>Save it under Rank.</Link>
             </Trans>
           </p>
         </Notice>

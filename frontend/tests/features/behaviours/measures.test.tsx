@@ -71,7 +71,7 @@ function build(game: TaughtGame, initial: readonly Measure[] = []) {
 describe("building a measure", () => {
   it("picks a thing and an area, and says it in a sentence", async () => {
     const seen = build(PONG);
-    await userEvent.click(screen.getByText("What tells in numbers how well it is shown"));
+    await userEvent.click(screen.getByText("Measure how well a game shows it"));
     await userEvent.click(screen.getByRole("button", { name: "Measure something" }));
     const measure = within(
       screen.getByRole("group", {

@@ -441,9 +441,7 @@ describe("ranking by keyboard", () => {
     await userEvent.keyboard("{Enter}");
     expect(board()).toEqual([["4"], ["2", "3"], ["1"]]);
     expect(turn).toHaveFocus();
-    expect(
-      screen.getByText("The order is turned round: what was worst is best."),
-    ).toBeInTheDocument();
+    expect(screen.getByText("The order is reversed: what was worst is best.")).toBeInTheDocument();
     await waitFor(() => expect(server.now().tiers).toEqual([[4], [2, 3], [1]]));
     await userEvent.keyboard("{Control>}z{/Control}");
     await waitFor(() => expect(board()).toEqual([["1"], ["2", "3"], ["4"]]));

@@ -198,8 +198,11 @@ describe("the library", () => {
       recording({ id: 2, targets: 2, strays: 2 }),
       recording({ id: 1 }),
     ]);
-    await userEvent.selectOptions(await screen.findByLabelText("Show"), "Perfect ones");
+    const bar = within(await screen.findByRole("group", { name: "Selected recordings" }));
+    expect(bar.getByRole("status")).toBeEmptyDOMElement();
+    await userEvent.selectOptions(screen.getByLabelText("Show"), "Perfect ones");
     expect(names()).toEqual(["Recording 3"]);
+    expect(bar.getByText("1 of 3 shown")).toBeVisible();
     await userEvent.selectOptions(screen.getByLabelText("Show"), "All");
     await userEvent.selectOptions(screen.getByLabelText("Targets"), "2 or more");
     expect(names()).toEqual(["Recording 3", "Recording 2"]);

@@ -495,7 +495,7 @@ describe("the results", () => {
     expect(told.getAllByRole("listitem").map((item) => item.textContent)).toEqual([
       "what you steer further to the left83%",
       "FIRE held less9%",
-      "You had said that it is not this: FIRE held less",
+      "You said that it is not this: FIRE held less",
     ]);
   });
 

@@ -9,6 +9,7 @@ import { gameQuery } from "@/games/catalogue";
 import { isNotFound } from "@/api/client";
 import type { Behaviour, ReadyMade, TaughtGame } from "@/api/types";
 import { Button, ButtonLink } from "@/components/controls/Button";
+import { LostGame } from "@/components/feedback/LostGame";
 import { Empty, Failed, Loading } from "@/components/feedback/States";
 import { PageTitle } from "@/components/PageTitle";
 import { useOnlyPlays } from "@/components/people/use-only-plays";
@@ -29,9 +30,9 @@ export function GamePage({ name }: { name: string }) {
   const [making, setMaking] = useState<BehaviourDraft | null>(null);
   if (isNotFound(error)) {
     return (
-      <Empty level="h1" title={t`Game not found`} actions={<AllGames />}>
+      <Empty level="h1" title={t`Game not found`} picture={<LostGame />} actions={<AllGames />}>
         <p>
-          <Trans>The address is wrong, or what brings the game is not installed.</Trans>
+          <Trans>The address is wrong, or the package with this game is not installed.</Trans>
         </p>
       </Empty>
     );

@@ -38,7 +38,7 @@ export function MeasureBuilder({ value, onChange }: MeasureBuilderProps) {
   return (
     <details className={styles.measures} open={value.length > 0 || undefined}>
       <summary>
-        <Trans>What tells in numbers how well it is shown</Trans>
+        <Trans>Measure how well a game shows it</Trans>
       </summary>
       <p className={styles.note}>
         <Trans>

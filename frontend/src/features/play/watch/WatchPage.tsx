@@ -116,21 +116,23 @@ export function WatchPage({ run, behaviour }: { run: Run; behaviour: Behaviour }
         onNext={() => execute("next")}
         onStart={(start) => choose(start === null ? newStart(choice) : { ...choice, start })}
       />
-      <WatchedAttention
-        network={attention}
-        onNetwork={setAttention}
-        opacity={opacity}
-        onOpacity={setOpacity}
-      />
-      {players.length < MAX_PLAYERS && (
-        <Button
-          icon="plus"
-          className={styles.add}
-          onClick={() => setPlayers([...players, furtherPlayer(players)])}
-        >
-          <Plural value={players.length} one="Another beside it" other="Another beside them" />
-        </Button>
-      )}
+      <div className={styles.more}>
+        <WatchedAttention
+          network={attention}
+          onNetwork={setAttention}
+          opacity={opacity}
+          onOpacity={setOpacity}
+        />
+        {players.length < MAX_PLAYERS && (
+          <Button icon="plus" onClick={() => setPlayers([...players, furtherPlayer(players)])}>
+            <Plural
+              value={players.length}
+              one="Add another beside it"
+              other="Add another beside them"
+            />
+          </Button>
+        )}
+      </div>
       <p className={styles.hint}>
         <Trans>
           All games begin at the same start and run in step. Nothing is kept unless you take over:
@@ -153,9 +155,7 @@ function Situation({ state, onAgain }: { state: WatchState | null; onAgain: () =
       return (
         <Notice tone="calm" icon="clock" live>
           <p>
-            <Trans>
-              Waiting for the policy. The machine has other work; the games stand still meanwhile.
-            </Trans>
+            <Trans>Waiting for the policy. The machine is busy; the games wait meanwhile.</Trans>
           </p>
         </Notice>
       );

@@ -11,7 +11,7 @@ const NOTHING = "nothing";
 
 const options = () =>
   [
-    { id: NOTHING, name: t`Picture alone` },
+    { id: NOTHING, name: t`Picture only` },
     { id: "policy", name: t`What each policy looks at` },
     { id: "reward", name: t`What the reward looks at` },
   ] as const;

@@ -155,8 +155,8 @@ function Situation({ told, error }: { told: Understanding | undefined; error: un
       return (
         <p>
           <Trans>
-            Rank four games in at least two tiers, and Tril says here what it thinks that the better
-            ones have.
+            Rank four games in at least two tiers, and Tril says here what it thinks the better ones
+            have in common.
           </Trans>
         </p>
       );

@@ -98,8 +98,8 @@ export function ImportDialog({
           />
           <span>
             <Trans>
-              One JSON object, or one per line, as the export writes them; or games of others as
-              lists of actions.
+              One JSON object, or one per line, as the export writes them; or games from elsewhere
+              as lists of actions.
             </Trans>
           </span>
         </div>

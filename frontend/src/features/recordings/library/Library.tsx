@@ -138,6 +138,7 @@ function Grid({ recordings, isWhole, behaviour, filter, onWatch, onClear }: Grid
       <SelectionBar
         behaviour={behaviour}
         shown={shown}
+        total={recordings.length}
         isWhole={isWhole}
         selected={shown.filter(({ id }) => selected.has(id))}
         onSelect={(some) => setSelection({ ids: new Set(some), anchor: null })}

@@ -11,6 +11,7 @@ import { useToast } from "@/components/feedback/Toasts";
 import { usePerfectMark } from "@/components/recording/use-perfect-mark";
 import { useRecordingActions } from "@/components/recording/use-recording-actions";
 import { classes } from "@/lib/classes";
+import { whole } from "@/lib/format";
 import { saveFile } from "@/lib/browser/save-file";
 
 import styles from "./SelectionBar.module.css";
@@ -19,12 +20,15 @@ import styles from "./SelectionBar.module.css";
 export function SelectionBar({
   behaviour,
   shown,
+  total,
   isWhole,
   selected,
   onSelect,
 }: {
   behaviour: Behaviour;
   shown: readonly LibraryEntry[];
+  /** Number of recordings before filtering, which the page's heading has. */
+  total: number;
   /** Whether these are all that are shown. */
   isWhole: boolean;
   selected: readonly LibraryEntry[];
@@ -49,9 +53,9 @@ export function SelectionBar({
       <span role="status" className={styles.count}>
         {any
           ? plural(selected.length, { one: "# recording selected", other: "# recordings selected" })
-          : isWhole
-            ? t`${shown.length} shown`
-            : t`Loading the others…`}
+          : !isWhole
+            ? t`Loading the others…`
+            : shown.length < total && t`${whole(shown.length)} of ${whole(total)} shown`}
       </span>
       {isWhole && selected.length < shown.length && (
         <Button kind="quiet" onClick={() => onSelect(shown.map(({ id }) => id))}>

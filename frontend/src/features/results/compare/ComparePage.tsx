@@ -75,7 +75,7 @@ function Comparison({ runs, missing }: { runs: readonly Run[]; missing: number }
         <ComparedTable runs={runs} groups={groups} nTargets={shared?.target?.length ?? null} />
         <p className={styles.note}>
           <Trans>
-            Means of greedy games from starts that no training game began from, with 95% bootstrap
+            Means of greedy games from starts that training never used, with 95% bootstrap
             intervals. Where intervals overlap widely, the runs can&rsquo;t be told apart.
           </Trans>
         </p>

@@ -4,6 +4,7 @@ import type { CSSProperties } from "react";
 import { Link } from "react-router";
 
 import type { Interval, Run } from "@/api/types";
+import { IntervalPlot } from "@/features/results/games/IntervalPlot";
 import { RunStatus } from "@/features/results/RunStatus";
 import { classes } from "@/lib/classes";
 import { NONE } from "@/lib/format";
@@ -28,6 +29,7 @@ interface ComparedTableProps {
 /** A column for each run: results of imitator and clone, and the settings that differ. */
 export function ComparedTable({ runs, groups, nTargets }: ComparedTableProps) {
   const differences = differenceRows(runs);
+  const groupOf = (run: Run) => groups.find((group) => group.runs.includes(run));
   const results = policies()
     .map(([policy, title]) => ({
       policy,
@@ -39,13 +41,17 @@ export function ComparedTable({ runs, groups, nTargets }: ComparedTableProps) {
     // Scrolls horizontally; focusable so that the keyboard can scroll it.
     // eslint-disable-next-line jsx-a11y/no-noninteractive-tabindex
     <div className={styles.scroll} role="region" aria-label={t`Runs side by side`} tabIndex={0}>
-      <table className={styles.table} aria-label={t`Runs side by side`}>
+      <table
+        className={styles.table}
+        style={{ "--runs": runs.length } as CSSProperties}
+        aria-label={t`Runs side by side`}
+      >
         <thead>
           <tr>
             <td />
             {runs.map((run) => (
               <th key={run.id} scope="col">
-                <Line group={groups.find((group) => group.runs.includes(run))} />
+                <Line group={groupOf(run)} />
                 <Link to={`/runs/${run.id}`}>{runName(run)}</Link>
                 {run.status !== "done" && (
                   <span className={styles.bounds}>
@@ -59,11 +65,18 @@ export function ComparedTable({ runs, groups, nTargets }: ComparedTableProps) {
         {results.map(({ policy, title, rows }) => (
           <tbody key={policy}>
             <Part name={title} nRuns={runs.length} />
-            {rows.map(({ name, cells, write }) => (
+            {rows.map(({ name, cells, write, high }) => (
               <tr key={name}>
                 <th scope="row">{name}</th>
-                {cells.map((interval, index) => (
-                  <ValueCell key={runs[index]?.id} interval={interval} write={write} />
+                {runs.map((run, index) => (
+                  <ValueCell
+                    key={run.id}
+                    interval={cells[index] ?? null}
+                    write={write}
+                    high={high}
+                    actor={policy}
+                    colour={groupOf(run)?.colour}
+                  />
                 ))}
               </tr>
             ))}
@@ -111,22 +124,32 @@ function Line({ group }: { group: SeedGroup | undefined }) {
   );
 }
 
+/** A mean and its interval, which is drawn below in the colour of the run's line. */
 function ValueCell({
   interval,
   write,
+  high,
+  actor,
+  colour,
 }: {
   interval: Interval | null;
   write: (value: number) => string;
+  high: number;
+  actor: "imitator" | "clone";
+  colour: string | undefined;
 }) {
   if (!interval) return <td>{NONE}</td>;
   return (
     <td>
-      {write(interval.mean)}
-      <span className={styles.bounds}>
-        <Trans>
-          {write(interval.low)} to {write(interval.high)}
-        </Trans>
+      <span className={styles.value}>
+        <b>{write(interval.mean)}</b>
+        <span className={styles.bounds}>
+          <Trans>
+            {write(interval.low)} to {write(interval.high)}
+          </Trans>
+        </span>
       </span>
+      <IntervalPlot low={0} high={high} intervals={[{ actor, interval, colour }]} />
     </td>
   );
 }

@@ -11,6 +11,8 @@ export interface ResultRow {
   readonly name: string;
   readonly cells: readonly (Interval | null)[];
   readonly write: (value: number) => string;
+  /** The upper end of the axis on which the cells are drawn; the lower is 0. */
+  readonly high: number;
 }
 
 const oneDigit = (value: number) => fixed(value, 1);
@@ -20,11 +22,13 @@ const measures = (): readonly {
   readonly key: keyof PolicySummary;
   readonly name: string;
   readonly write: (value: number) => string;
+  /** The highest value there can be; null where there is none. */
+  readonly most: number | null;
 }[] => [
-  { key: "targets", name: t`Targets hit`, write: oneDigit },
-  { key: "strays", name: t`Strays`, write: oneDigit },
-  { key: "death_rate", name: t`Death rate`, write: wholePercent },
-  { key: "perfect", name: t`Perfect games`, write: wholePercent },
+  { key: "targets", name: t`Targets hit`, write: oneDigit, most: null },
+  { key: "strays", name: t`Strays`, write: oneDigit, most: null },
+  { key: "death_rate", name: t`Death rate`, write: wholePercent, most: 1 },
+  { key: "perfect", name: t`Perfect games`, write: wholePercent, most: 1 },
 ];
 
 /** Returns a policy's results in greedy games, without measures that no run has. */
@@ -34,12 +38,21 @@ export function resultRows(
   nTargets: number | null,
 ): readonly ResultRow[] {
   return measures()
-    .map(({ key, name, write }) => ({
+    .map(({ key, name, write, most }) => ({
       name: key === "targets" && nTargets !== null ? t`${name}, of ${nTargets}` : name,
       write,
       cells: runs.map((run) => run.headline?.[policy]?.[key] ?? null),
+      high: (key === "targets" ? nTargets : most) ?? highest(runs, key),
     }))
     .filter(({ cells }) => cells.some((cell) => cell !== null));
+}
+
+/** Returns the highest upper bound of any run's imitator or clone; at least 1. */
+function highest(runs: readonly Run[], key: keyof PolicySummary): number {
+  const bounds = runs.flatMap(({ headline }) =>
+    [headline?.imitator, headline?.clone].flatMap((policy) => policy?.[key]?.high ?? []),
+  );
+  return Math.max(1, ...bounds);
 }
 
 export interface DifferenceRow {

@@ -2,20 +2,12 @@ import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 import "uplot/dist/uPlot.min.css";
 
-import {
-  type CSSProperties,
-  type KeyboardEvent,
-  useEffect,
-  useId,
-  useMemo,
-  useRef,
-  useState,
-} from "react";
+import { type KeyboardEvent, useEffect, useId, useMemo, useReducer, useRef, useState } from "react";
 import uPlot from "uplot";
 
-import { classes } from "@/lib/classes";
+import { type EndLabel, EndLabels } from "@/features/results/labels/EndLabels";
 import { onThemeChange } from "@/lib/browser/css-colour";
-import { measured, stepLabels, whole } from "@/lib/format";
+import { measured, NONE, stepLabels, whole } from "@/lib/format";
 import { ofSigns } from "@/lib/browser/pressed-keys";
 
 import styles from "./Chart.module.css";
@@ -42,8 +34,8 @@ interface ChartProps {
 const FIRST_WIDTH_PX = 640;
 
 /**
- * A line chart; the legend shows the values at the cursor, or else the last ones. A drag zooms; with
- * the focus, arrows move the cursor, + and - zoom and 0 shows everything.
+ * A line chart; labels at the ends of its lines have the values at the cursor, or else the last ones.
+ * A drag zooms; with the focus, arrows move the cursor, + and - zoom and 0 shows everything.
  */
 export function Chart(props: ChartProps) {
   const { title, curves, format = measured, range, xLabels = stepLabels, zoom, syncKey } = props;
@@ -56,6 +48,9 @@ export function Chart(props: ChartProps) {
   const all = useMemo(() => chartData(curves), [curves]);
   const data = useMemo(() => decimate(all, zoom.range, width), [all, zoom.range, width]);
   const shown = useRef({ data, zoom });
+  const labelWidth = useRef(0);
+  // The labels follow what was drawn.
+  const [, follow] = useReducer((draws: number) => draws + 1, 0);
   const lines = JSON.stringify(curves.map(lineStyleOf));
   const bounds = JSON.stringify(range ?? null);
 
@@ -71,6 +66,8 @@ export function Chart(props: ChartProps) {
         bounds: JSON.parse(bounds) as uPlot.Range.MinMax | null,
         xLabels,
         syncKey,
+        labelWidth: () => labelWidth.current,
+        onDraw: follow,
         onCursor: setCursor,
         onSelect: (chosen) => {
           const { full, change } = shown.current.zoom;
@@ -122,42 +119,45 @@ export function Chart(props: ChartProps) {
     event.preventDefault();
   }
 
-  const values = legendValues(curves, data, at, cursor === null, format);
-  const spoken = curves.map(({ name }, index) => `${name} ${values[index]}`).join(", ");
+  /** Makes room for labels, which grows only: the lines stay where they are while values change. */
+  function widen(width: number) {
+    if (width <= labelWidth.current) return;
+    labelWidth.current = width;
+    plot.current?.redraw(false, true);
+  }
+
+  const labels = endLabels(curves, data, at, cursor === null ? null : end, format);
+  const spoken = labels
+    .map(({ name, value, bounds }) => [name, value, ...(bounds === null ? [] : [bounds])].join(" "))
+    .join(", ");
   return (
     <figure className={styles.chart} aria-labelledby={titleId}>
       <figcaption className={styles.head}>
         <span className={styles.title} id={titleId}>
           {title}
         </span>
-        <span className={styles.legend}>
-          {curves.map((curve, index) => (
-            <span key={curve.name} style={{ "--curve": curve.colour } as CSSProperties}>
-              <i className={classes(curve.dashed && styles.dashed)} aria-hidden="true" />
-              {curves.length > 1 && <>{curve.name} </>}
-              {values[index]}
-            </span>
-          ))}
-          {cursor !== null && (
-            <span>
-              <Trans>at {whole(x)}</Trans>
-            </span>
-          )}
-        </span>
+        {cursor !== null && (
+          <span className={styles.at}>
+            <Trans>at {whole(x)}</Trans>
+          </span>
+        )}
       </figcaption>
-      <div
-        ref={holder}
-        className={styles.plot}
-        role="slider"
-        tabIndex={0}
-        aria-label={t`${title}: cursor`}
-        aria-valuemin={data[0][first] ?? 0}
-        aria-valuemax={data[0][end] ?? 0}
-        aria-valuenow={x}
-        aria-valuetext={t`at ${whole(x)}: ${spoken}`}
-        onKeyDown={press}
-        onBlur={() => plot.current?.setCursor({ left: -10, top: -10 })}
-      />
+      <div className={styles.area}>
+        <div
+          ref={holder}
+          className={styles.plot}
+          role="slider"
+          tabIndex={0}
+          aria-label={t`${title}: cursor`}
+          aria-valuemin={data[0][first] ?? 0}
+          aria-valuemax={data[0][end] ?? 0}
+          aria-valuenow={x}
+          aria-valuetext={t`at ${whole(x)}: ${spoken}`}
+          onKeyDown={press}
+          onBlur={() => plot.current?.setCursor({ left: -10, top: -10 })}
+        />
+        <EndLabels labels={labels} plot={plot} onWidth={widen} />
+      </div>
     </figure>
   );
 }
@@ -173,37 +173,38 @@ function lineStyleOf({ name, colour, dashed = false, band }: Curve): LineStyle {
   return { name, colour, dashed, band: band !== undefined };
 }
 
-/** Formats each curve's value at an index, with its band's. */
-function legendValues(
+/**
+ * Returns the labels of the curves, with their values at an index.
+ *
+ * @param end The last index that is shown; null where that is the index.
+ */
+function endLabels(
   curves: readonly Curve[],
   [, ...columns]: ChartData,
   at: number,
-  orBefore: boolean,
+  end: number | null,
   format: (value: number) => string,
-): string[] {
+): EndLabel[] {
   let column = 0;
-  return curves.map(({ band }) => {
-    const value = valueAt(columns[column], at, orBefore, format);
-    const high = columns[column + 1];
-    const low = columns[column + 2];
+  return curves.map(({ name, colour, dashed = false, band }) => {
+    const [line, high, low] = [columns[column], columns[column + 1], columns[column + 2]];
     column += band ? 3 : 1;
-    if (!band) return value;
-    const [from, to] = [low, high].map((edge) => valueAt(edge, at, orBefore, format));
-    return t`${value} (${from ?? ""} to ${to ?? ""})`;
+    const valueOf = (values: Values) => {
+      const value = end === null ? lastValue(values, at) : (values?.[at] ?? null);
+      return value === null ? NONE : format(value);
+    };
+    const bounds = band ? t`(${valueOf(low)} to ${valueOf(high)})` : null;
+    return { name, colour, dashed, value: valueOf(line), bounds, last: lastValue(line, end ?? at) };
   });
 }
 
-/** Formats the value at an index; with `orBefore`, the last one before it where there is a gap. */
-function valueAt(
-  values: readonly (number | null)[] | undefined,
-  at: number,
-  orBefore: boolean,
-  format: (value: number) => string,
-): string {
-  for (let index = at; index >= 0; index -= 1) {
-    const value = values?.[index];
-    if (value !== null && value !== undefined) return format(value);
-    if (!orBefore) break;
+type Values = readonly (number | null)[] | undefined;
+
+/** Returns the value at an index, or the last one before it; null if there is none. */
+function lastValue(values: Values, index: number): number | null {
+  for (let at = index; at >= 0; at -= 1) {
+    const value = values?.[at] ?? null;
+    if (value !== null) return value;
   }
-  return "–";
+  return null;
 }

@@ -7,6 +7,8 @@ import { percentLabels, tickLabels } from "@/lib/format";
 import type { XRange } from "./chart-data";
 
 export const HEIGHT_PX = 170;
+/** Half the label of the last tick. */
+const NARROWEST_RIGHT_PX = 16;
 /** A shorter drag is a click. */
 const SHORTEST_DRAG_PX = 5;
 
@@ -28,6 +30,9 @@ interface ChartOptions {
   readonly bounds: uPlot.Range.MinMax | null;
   readonly xLabels: XLabels;
   readonly syncKey: string;
+  /** Returns the room for the labels at the right, in pixels. */
+  readonly labelWidth: () => number;
+  readonly onDraw: () => void;
   readonly onCursor: (index: number | null) => void;
   /** A drag has selected a range, or a double click everything. */
   readonly onSelect: (range: XRange | null) => void;
@@ -35,7 +40,8 @@ interface ChartOptions {
 
 /** Returns the options of a chart. */
 export function chartOptions(options: ChartOptions): uPlot.Options {
-  const { width, lines, bounds, xLabels, syncKey, onCursor, onSelect } = options;
+  const { width, lines, bounds, xLabels, syncKey, labelWidth, onDraw, onCursor, onSelect } =
+    options;
   const axis: uPlot.Axis = {
     stroke: resolveColour("var(--ink-3)"),
     grid: { stroke: resolveColour("var(--line)"), width: 1 },
@@ -46,7 +52,7 @@ export function chartOptions(options: ChartOptions): uPlot.Options {
   return {
     width,
     height: HEIGHT_PX,
-    padding: [8, 16, 0, 0],
+    padding: [8, () => Math.max(NARROWEST_RIGHT_PX, labelWidth()), 0, 0],
     legend: { show: false },
     cursor: {
       sync: { key: syncKey },
@@ -72,6 +78,7 @@ export function chartOptions(options: ChartOptions): uPlot.Options {
     series: [{}, ...lines.flatMap(seriesOf)],
     bands: bandsOf(lines),
     hooks: {
+      draw: [onDraw],
       setCursor: [(chart) => onCursor(chart.cursor.idx ?? null)],
       setSelect: [
         (chart) => {

@@ -95,7 +95,7 @@ export const plan = (): readonly GroupPlan[] => [
         range: SHARE,
       },
       {
-        title: t`How undecided it is (entropy)`,
+        title: t`Indecision (entropy)`,
         curves: [{ key: "entropy", name: t`entropy` }],
         format: measured,
       },
@@ -105,12 +105,12 @@ export const plan = (): readonly GroupPlan[] => [
         format: (value) => whole(Math.round(value)),
       },
       {
-        title: t`Error in predicting its reward (value loss)`,
+        title: t`Error of predicted rewards (value loss)`,
         curves: [{ key: "value_loss", name: t`loss` }],
         format: measured,
       },
       {
-        title: t`Change of its play per update (KL divergence)`,
+        title: t`Policy change per update (KL divergence)`,
         curves: [{ key: "kl", name: t`KL` }],
         format: measured,
       },

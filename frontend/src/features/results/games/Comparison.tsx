@@ -49,9 +49,7 @@ export function Comparison({ results, behaviour, onWatch }: ComparisonProps) {
       {best && (
         <div className={styles.best}>
           <p>
-            <Trans>
-              To compare with: the best demonstration, one game from a start of its own.
-            </Trans>
+            <Trans>For comparison: the best demonstration, one game from a start of its own.</Trans>
           </p>
           <GameCell actor={playedBy(best.source)} best recording={best} from="" {...shared} />
         </div>

@@ -7,7 +7,12 @@ import { type Actor, actorColour } from "@/lib/actors";
 import styles from "./IntervalPlot.module.css";
 
 interface IntervalPlotProps {
-  intervals: readonly { readonly actor: Actor; readonly interval: Interval }[];
+  intervals: readonly {
+    readonly actor: Actor;
+    readonly interval: Interval;
+    /** A CSS colour; the actor's by default. */
+    readonly colour?: string | undefined;
+  }[];
   low: number;
   high: number;
 }
@@ -18,12 +23,11 @@ export function IntervalPlot({ intervals, low, high }: IntervalPlotProps) {
     Math.min(Math.max(((value - low) / (high - low || 1)) * 100, 0), 100);
   return (
     <div className={styles.plot} aria-hidden="true">
-      {intervals.map(({ actor, interval }, index) => {
+      {intervals.map(({ actor, interval, colour = actorColour(actor) }, index) => {
         const top = `${((index + 1) / (intervals.length + 1)) * 100}%`;
         const left = at(interval.low);
-        const colour = { "--actor": actorColour(actor) } as CSSProperties;
         return (
-          <div key={actor} style={colour}>
+          <div key={actor} style={{ "--actor": colour } as CSSProperties}>
             <i
               className={styles.range}
               style={{ top, left: `${left}%`, width: `${at(interval.high) - left}%` }}

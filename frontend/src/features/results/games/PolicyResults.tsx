@@ -48,9 +48,9 @@ export function PolicyResults({
       <SummaryTable {...greedy} behaviour={behaviour} label={t`Imitator and clone`} />
       <p className={styles.note}>
         <Trans>
-          Means of <Plural value={n} one="# game" other="# games" /> from starts that no training
-          has seen, with 95% bootstrap intervals. The predicted return is the learned reward of a
-          whole game.
+          Means of <Plural value={n} one="# game" other="# games" /> from starts that training never
+          used, with 95% bootstrap intervals. The predicted return is the learned reward of a whole
+          game.
         </Trans>
       </p>
       <MeasureTable rows={results.measures} />

@@ -7,6 +7,7 @@ import { useFirst } from "@/components/list/use-first";
 import { ActorMark } from "@/components/game/ActorMark";
 import { RunName } from "@/components/RunName";
 import { Ago } from "@/features/results/Ago";
+import { IntervalPlot } from "@/features/results/games/IntervalPlot";
 import { MOST_COMPARED } from "@/features/results/compare/compared-runs";
 import { RunStatus } from "@/features/results/RunStatus";
 import { bounds, duration, fixed, NONE, percent, shortCount } from "@/lib/format";
@@ -65,7 +66,9 @@ export function RunsTable({ runs, behaviour, selected, onSelect }: RunsTableProp
               <Trans>Death rate</Trans>
             </th>
             <th scope="col" className={styles.right}>
-              <Trans>Tau</Trans>
+              <abbr title={t`Agreement of the learned reward with the ranking, 1 at most`}>
+                <Trans>Tau</Trans>
+              </abbr>
             </th>
             <th scope="col">
               <Trans>Recipe</Trans>
@@ -92,7 +95,7 @@ export function RunsTable({ runs, behaviour, selected, onSelect }: RunsTableProp
             <RunRow
               key={run.id}
               run={run}
-              hasTarget={of !== undefined}
+              nTargets={of}
               isSelected={selected.has(run.id)}
               isFull={selected.size >= MOST_COMPARED}
               onSelect={onSelect}
@@ -107,13 +110,14 @@ export function RunsTable({ runs, behaviour, selected, onSelect }: RunsTableProp
 
 interface RunRowProps {
   run: Run;
-  hasTarget: boolean;
+  /** Number of targets of the behaviour, if it has any. */
+  nTargets: number | undefined;
   isSelected: boolean;
   isFull: boolean;
   onSelect: RunsTableProps["onSelect"];
 }
 
-function RunRow({ run, hasTarget, isSelected, isFull, onSelect }: RunRowProps) {
+function RunRow({ run, nTargets, isSelected, isFull, onSelect }: RunRowProps) {
   const imitator = run.headline?.imitator;
   const tau = run.headline?.tau ?? null;
   return (
@@ -160,10 +164,10 @@ function RunRow({ run, hasTarget, isSelected, isFull, onSelect }: RunRowProps) {
           </span>
         )}
       </td>
-      {hasTarget && (
+      {nTargets !== undefined && (
         <>
-          <IntervalCell interval={imitator?.targets} />
-          <IntervalCell interval={run.headline?.clone?.targets} />
+          <IntervalCell actor="imitator" interval={imitator?.targets} high={nTargets} />
+          <IntervalCell actor="clone" interval={run.headline?.clone?.targets} high={nTargets} />
           <td className={styles.right}>
             {imitator?.strays ? fixed(imitator.strays.mean, 1) : NONE}
           </td>
@@ -183,12 +187,24 @@ function RunRow({ run, hasTarget, isSelected, isFull, onSelect }: RunRowProps) {
   );
 }
 
-function IntervalCell({ interval }: { interval: Interval | null | undefined }) {
+/** A mean with its interval, and both on an axis from 0. */
+function IntervalCell({
+  actor,
+  interval,
+  high,
+}: {
+  actor: "imitator" | "clone";
+  interval: Interval | null | undefined;
+  high: number;
+}) {
   if (!interval) return <td>{NONE}</td>;
   return (
     <td>
-      {fixed(interval.mean, 1)}
-      <span className={styles.bounds}>{bounds(interval)}</span>
+      <span className={styles.value}>
+        <b>{fixed(interval.mean, 1)}</b>
+        <span className={styles.bounds}>{bounds(interval)}</span>
+      </span>
+      <IntervalPlot low={0} high={high} intervals={[{ actor, interval }]} />
     </td>
   );
 }

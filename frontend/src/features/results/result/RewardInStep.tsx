@@ -1,22 +1,25 @@
 import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 import { useQueries } from "@tanstack/react-query";
-import { useMemo, useSyncExternalStore } from "react";
+import { type CSSProperties, useMemo, useSyncExternalStore } from "react";
 
 import { messageOf } from "@/api/client";
 import { rewardTraceQuery } from "@/api/runs";
 import type { RewardTrace } from "@/api/types";
 import { Loading } from "@/components/feedback/States";
-import { ActorMark } from "@/components/game/ActorMark";
-import { HEIGHT, RewardPlot, stepAt } from "@/components/reward/RewardPlot";
+import { HEIGHT, RewardPlot, scaleOf, stepAt } from "@/components/reward/RewardPlot";
 import { useGame } from "@/games/game";
-import { actorColour } from "@/lib/actors";
+import { actorColour, actorNames } from "@/lib/actors";
 import { fixed } from "@/lib/format";
 import type { Playback } from "@/lib/game/playback";
 import { stepOf } from "@/lib/recordings";
+import { spreadLabels } from "@/features/results/labels/spread-labels";
 
 import styles from "./RewardInStep.module.css";
 import type { ShownGame } from "./shown-games";
+
+/** Height of a curve's name and value. */
+const LABEL_PX = 32;
 
 interface RewardInStepProps {
   runId: string;
@@ -66,32 +69,42 @@ function Curves({
   const levels = traces.map(({ levels }) =>
     fixed(levels[stepAt(frame, levels.length, game)] ?? NaN, 2),
   );
+  const tops = useMemo(() => {
+    const y = scaleOf(curves);
+    const ends = curves.map(({ levels }) => y(levels.at(-1) ?? 0));
+    return spreadLabels(ends, Array<number>(ends.length).fill(LABEL_PX), HEIGHT);
+  }, [curves]);
   return (
     <div className={styles.reward}>
       <p className={styles.head}>
         <b>
           <Trans>Learned reward R</Trans>
         </b>
-        {games.map(({ actor }, index) => (
-          <ActorMark key={actor} actor={actor}>
-            <b>{levels[index]}</b>
-          </ActorMark>
-        ))}
         <span className={styles.scale}>
           <Trans>0: how demonstrations begin, 1: how the best ones end</Trans>
         </span>
       </p>
-      <RewardPlot
-        curves={curves}
-        playback={playback}
-        last={last}
-        valueAt={() =>
-          [
-            t`step ${stepOf(frame, game)}`,
-            ...games.map(({ name }, index) => `${name} ${levels[index] ?? ""}`),
-          ].join(", ")
-        }
-      />
+      <div className={styles.plotted}>
+        <RewardPlot
+          curves={curves}
+          playback={playback}
+          last={last}
+          valueAt={() =>
+            [
+              t`step ${stepOf(frame, game)}`,
+              ...games.map(({ name }, index) => `${name} ${levels[index] ?? ""}`),
+            ].join(", ")
+          }
+        />
+        <ul className={styles.ends} style={{ "--label": `${LABEL_PX}px` } as CSSProperties}>
+          {games.map(({ actor }, index) => (
+            <li key={actor} style={{ color: actorColour(actor), marginBlockStart: tops[index] }}>
+              {actorNames()[actor]}
+              <b>{levels[index]}</b>
+            </li>
+          ))}
+        </ul>
+      </div>
     </div>
   );
 }

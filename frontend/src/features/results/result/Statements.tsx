@@ -47,7 +47,7 @@ export function Statements({ run, check: { statements, answers: known } }: State
               {meant ? (
                 <Trans>You had said that this is it: {sentence}</Trans>
               ) : (
-                <Trans>You had said that it is not this: {sentence}</Trans>
+                <Trans>You said that it is not this: {sentence}</Trans>
               )}
             </li>
           ))}

@@ -44,8 +44,8 @@ export function RewardCheck({ check, message, behaviour, onWatch }: RewardCheckP
       {measure === "final_level" && (
         <p className={styles.verdict}>
           <Trans>
-            The final level is the reward at the end of a game: 0 as at its beginning, 1 as in the
-            best games.
+            The final level is the reward at the end of a game: 0 is how games begin, 1 how the best
+            ones end.
           </Trans>
         </p>
       )}

@@ -25,7 +25,7 @@ export function NotifySwitch() {
   return (
     <Checkbox
       label={t`Notify me when a run ends`}
-      hint={refused ? refusal() : t`By the browser, while a page of Tril is open.`}
+      hint={refused ? refusal() : t`Shown by the browser while a page of Tril is open.`}
       checked={on}
       onChange={(wanted) => void change(wanted)}
     />

@@ -67,7 +67,7 @@ describe("the page that watches", () => {
     expect(screen.queryByRole("img", { name: /looks at/ })).toBeNull();
     tell({ ...map, action: null, most: 0.5 });
     expect(screen.getByText("up to 0.50 R")).toBeVisible();
-    await userEvent.selectOptions(choice, "Picture alone");
+    await userEvent.selectOptions(choice, "Picture only");
     expect(screen.queryByRole("img", { name: /looks at/ })).toBeNull();
     expect(WatchSocket.newest.commands.slice(1)).toEqual([
       { type: "attention", network: "policy" },
@@ -129,7 +129,7 @@ describe("the page that watches", () => {
       screen.getByRole("combobox", { name: "Player of game 1" }),
       "Clone, greedy",
     );
-    await userEvent.click(screen.getByRole("button", { name: "Another beside it" }));
+    await userEvent.click(screen.getByRole("button", { name: "Add another beside it" }));
     await waitFor(() =>
       expect(WatchSocket.newest.url.searchParams.getAll("player")).toEqual([
         "clone.greedy",

@@ -26,8 +26,6 @@ it("runs are compared as far as they can be loaded", async () => {
   const table = within(screen.getByRole("table", { name: "Runs side by side" }));
   expect(table.getByRole("columnheader", { name: /Wide/ })).toBeVisible();
   expect(table.getByRole("row", { name: "steps 20,000 500,000" })).toBeVisible();
-  expect(
-    await screen.findByRole("figure", { name: "How undecided it is (entropy)" }),
-  ).toBeVisible();
+  expect(await screen.findByRole("figure", { name: "Indecision (entropy)" })).toBeVisible();
   expect(screen.getByRole("button", { name: "Download the curves (CSV)" })).toBeVisible();
 });

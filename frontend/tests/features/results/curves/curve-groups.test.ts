@@ -30,7 +30,7 @@ describe("the imitator's curves", () => {
   });
 
   it("show neither for PPO on the learned reward", () => {
-    expect(titlesOf({ entropy: [[2048, 0.8]] })).toEqual(["How undecided it is (entropy)"]);
+    expect(titlesOf({ entropy: [[2048, 0.8]] })).toEqual(["Indecision (entropy)"]);
   });
 });
 
