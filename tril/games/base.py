@@ -505,6 +505,8 @@ class Game:
         counters: Names of what is counted, with what it is, e.g. {"shots": "missiles fired"}.
         things: Things whose place its memory tells, by name.
         tallies: Counts read from bytes of memory, by name.
+        pieces: What the pieces of its still picture are called that games clear, e.g. "dots";
+            empty if they have no name.
         overlay: What the page may draw over its screens, if anything.
         memory_names: Names of memory addresses.
         ghost: Reads the player's track off a recording's memory and start; None if it can't be.
@@ -531,6 +533,7 @@ class Game:
     counters: Mapping[str, str] = field(default_factory=dict)
     things: Mapping[str, Thing] = field(default_factory=dict)
     tallies: Mapping[str, Tally] = field(default_factory=dict)
+    pieces: str = ""
     overlay: Overlay | None = None
     memory_names: Mapping[int, str] = field(default_factory=dict)
     ghost: Callable[[bytes, Start], Track] | None = None

@@ -446,7 +446,9 @@ def kind_name(words: Vocabulary, index: int, game: Game) -> str:
 
 
 def pieces_name(words: Vocabulary, game: Game) -> str:
-    """Return what the pieces of the still picture are called, by the colour of most of them."""
+    """Return what the pieces of the still picture are called: by the game, or by their colour."""
+    if game.pieces:
+        return game.pieces
     assert words.pieces is not None
     amounts = np.bincount(words.scene.beginning[words.pieces])
     colour = int(amounts.argmax())

@@ -143,6 +143,12 @@ def test_pieces_are_told_in_every_way(words: Vocabulary) -> None:
     ]
 
 
+def test_pieces_have_the_name_that_the_game_gives_them(words: Vocabulary) -> None:
+    assert kind_name(words, PIECES, game_named("pong")) == "orange pieces"
+    assert kind_name(words, PIECES, game_named("ms_pacman")) == "dots"
+    assert kind_name(words, PIECES, game_named("breakout")) == "bricks"
+
+
 def test_a_byte_that_counts_what_is_cleared_is_told_by_it() -> None:
     games = []
     for seed in range(20):

@@ -92,6 +92,7 @@ def _game(entry: Entry) -> Game:
             name: thing_from_json(thing) for name, thing in known_things.get("things", {}).items()
         },
         behaviours=READY_MADE.get(entry.rom, ()),
+        pieces=known_things.get("pieces", ""),
         tallies={name: Tally(**tally) for name, tally in known_things.get("tallies", {}).items()},
     )
 

@@ -44,6 +44,7 @@ def _breakout() -> Game:
         new_readout=BreakoutReadout,
         items=ItemGrid(ROWS, COLUMNS, "brick", "bricks", "break", _COLOURS),
         things=THINGS,
+        pieces="bricks",
         behaviours=READY_MADE,
         memory_names=MEMORY_NAMES,
     )

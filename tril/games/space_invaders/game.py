@@ -89,6 +89,7 @@ SPACE_INVADERS = Game(
     items=ItemGrid(facts.ROWS, facts.COLUMNS, "alien", "aliens", "hit"),
     counters={"shots": "missiles fired"},
     things=THINGS,
+    pieces="shields",
     overlay=Overlay(
         painter="alien-formation",
         geometry={
