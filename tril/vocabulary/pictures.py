@@ -151,11 +151,14 @@ def lit(colours: Screen, pieces: Mask, game: Game) -> Screen:
 
 
 def _picture_of_pieces(colours: Screen, pieces: Mask, game: Game) -> bytes:
-    """Return a PNG of the part of a screen in which there are pieces."""
-    rows, columns = (np.flatnonzero(pieces.any(axis)) for axis in (1, 0))
-    box = (slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1))
+    """Return a PNG of the part of a screen in which there are pieces, at least SIZE_PX each way."""
+    parts: list[slice] = []
+    for axis, length in enumerate(pieces.shape):
+        covered = np.flatnonzero(pieces.any(1 - axis))
+        extent = slice(int(covered[0]), int(covered[-1]) + 1)
+        parts.append(_around(extent, max(SIZE_PX, extent.stop - extent.start), length))
     file = io.BytesIO()
-    Image.fromarray(lit(colours, pieces, game)[box]).save(file, "PNG", optimize=True)
+    Image.fromarray(lit(colours, pieces, game)[tuple(parts)]).save(file, "PNG", optimize=True)
     return file.getvalue()
 
 
@@ -164,12 +167,17 @@ def _png(rgb: Screen, box: tuple[slice, slice]) -> bytes:
     picture[box] = rgb[box]
     longest = max(extent.stop - extent.start for extent in box)
     size_px = SIZE_PX if longest + 2 * MARGIN_PX <= SIZE_PX else 2 * SIZE_PX
-    parts: list[slice] = []
-    for extent, length in zip(box, rgb.shape, strict=False):
-        size = min(length, size_px)
-        begin = (extent.start + extent.stop - size) // 2
-        begin = min(max(begin, 0), length - size)
-        parts.append(slice(begin, begin + size))
+    parts = tuple(
+        _around(extent, size_px, length) for extent, length in zip(box, rgb.shape, strict=False)
+    )
     file = io.BytesIO()
-    Image.fromarray(picture[tuple(parts)]).save(file, "PNG", optimize=True)
+    Image.fromarray(picture[parts]).save(file, "PNG", optimize=True)
     return file.getvalue()
+
+
+def _around(extent: slice, size_px: int, length: int) -> slice:
+    """Return a slice of a size around an extent, within a length; all of it if that is shorter."""
+    size = min(length, size_px)
+    begin = (extent.start + extent.stop - size) // 2
+    begin = min(max(begin, 0), length - size)
+    return slice(begin, begin + size)

@@ -17,7 +17,7 @@ from tril.games import game_named
 from tril.vocabulary.answers import kinds_about, subject_of
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.groups import Aspect
-from tril.vocabulary.pictures import pictures_of
+from tril.vocabulary.pictures import SIZE_PX, pictures_of
 from tril.vocabulary.pieces import PIECES, gone_pieces
 from tril.vocabulary.pointing import meanings_of
 from tril.vocabulary.sentences import kind_name, phrase, tell
@@ -181,4 +181,5 @@ def test_a_picture_shows_where_the_pieces_are(words: Vocabulary) -> None:
     png = pictures_of(words, [recording], console)[PIECES]
     console.close()
     with Image.open(io.BytesIO(png)) as picture:
-        assert picture.size == (LEFTS[-1] + 4 - LEFTS[0], 2)
+        # As high as a picture of a thing: the page would enlarge two lines to a single dot.
+        assert picture.size == (LEFTS[-1] + 4 - LEFTS[0], SIZE_PX)
