@@ -101,23 +101,24 @@ def _with_alike(found: Mask, beginning: npt.NDArray[np.uint8]) -> Mask:
     cells = np.flatnonzero(found)
     grid.ravel()[cells] = True
     reached = _spread_out(grid, beginning.shape)
-    sizes: set[tuple[int, ...]] = set()
-    areas: list[tuple[tuple[int, ...], Mask]] = []
+    # Index of each pixel's area, int32 (height, width); width, height and area of each area.
+    area_of = np.zeros(beginning.shape, np.int32)
+    sizes = np.empty((0, 3), np.int32)
     for colour in np.unique(beginning):
-        n_areas, labels, stats, _ = cv2.connectedComponentsWithStats(
+        _, labels, stats, _ = cv2.connectedComponentsWithStats(
             (beginning == colour).view(np.uint8), connectivity=8
         )
-        n_reached = np.bincount(labels[reached], minlength=n_areas)
-        for index in range(1, n_areas):
-            size = tuple(stats[index, [cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT, cv2.CC_STAT_AREA]])
-            if size[2] > MOST_AREA * beginning.size:
-                continue
-            areas.append((size, labels == index))
-            if n_reached[index] >= REACHED_SHARE * size[2]:
-                sizes.add(size)
-    mask = np.zeros(beginning.shape, np.bool_)
-    for size, area in areas:
-        mask |= area & (reached | (size in sizes))
+        # Label 0 is what has another colour.
+        own = labels > 0
+        area_of[own] = labels[own] - 1 + len(sizes)
+        size = stats[1:, [cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT, cv2.CC_STAT_AREA]]
+        sizes = np.concatenate([sizes, size])
+    n_reached = np.bincount(area_of[reached], minlength=len(sizes))
+    is_small = sizes[:, 2] <= MOST_AREA * beginning.size
+    is_reached = is_small & (n_reached >= REACHED_SHARE * sizes[:, 2])
+    size_of = np.unique(sizes, axis=0, return_inverse=True)[1].ravel()
+    is_alike = np.isin(size_of, size_of[is_reached])
+    mask: Mask = is_alike[area_of] | (reached & is_small[area_of])
     return mask
 
 
@@ -193,8 +194,11 @@ class Areas:
         Args:
             is_gone: Which cells are gone, bool (n_steps, n_cells).
         """
-        in_area = np.arange(len(self.boxes)) == self.of_cell[:, None]
-        return (~is_gone).astype(np.float32) @ in_area.astype(np.float32) > 0
+        order = np.argsort(self.of_cell, kind="stable")
+        areas, begins = np.unique(self.of_cell[order], return_index=True)
+        are_there = np.zeros((len(is_gone), len(self.boxes)), np.bool_)
+        are_there[:, areas] = np.logical_or.reduceat(~is_gone[:, order], begins, axis=1)
+        return are_there
 
 
 def cells_of(mask: Mask) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:

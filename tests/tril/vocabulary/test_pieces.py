@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import tracemalloc
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,7 +19,7 @@ from tril.vocabulary.answers import kinds_about, subject_of
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.groups import Aspect
 from tril.vocabulary.pictures import SIZE_PX, pictures_of
-from tril.vocabulary.pieces import PIECES, gone_pieces
+from tril.vocabulary.pieces import PIECES, Areas, find_pieces, gone_pieces
 from tril.vocabulary.pointing import meanings_of
 from tril.vocabulary.sentences import kind_name, phrase, tell
 from tril.vocabulary.trace import Scene, Trace, sampled
@@ -183,3 +184,53 @@ def test_a_picture_shows_where_the_pieces_are(words: Vocabulary) -> None:
     with Image.open(io.BytesIO(png)) as picture:
         # As high as a picture of a thing: the page would enlarge two lines to a single dot.
         assert picture.size == (LEFTS[-1] + 4 - LEFTS[0], SIZE_PX)
+
+
+def test_a_large_screen_with_many_areas_takes_little_memory() -> None:
+    # A texture of 3,750 areas, of which the upper ones are cleared.
+    tiles = np.random.default_rng(0).integers(1, 200, (50, 75))
+    screen = np.kron(tiles, np.ones((8, 8))).astype(np.uint8)
+    scene = Scene(screen, screen)
+    small = sampled(screen)
+    changed = np.zeros((40, *small.shape), np.bool_)
+    changed[15:, :20] = True
+    packed = np.packbits(changed.reshape(40, -1), axis=1)
+    games = [replace(played(0, 40), packed_changed=packed, n_cells=small.size)] * 2
+    tracemalloc.start()
+    try:
+        assert find_pieces(games, scene) is None
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < 50_000_000
+
+
+def test_an_area_is_there_until_all_of_it_is_gone() -> None:
+    pieces = np.zeros((210, 160), np.bool_)
+    # The third is one pixel that the sampled screen leaves out.
+    pieces[10:14, 20:28] = pieces[10:14, 40:44] = pieces[31, 61] = True
+    areas = Areas.of(pieces)
+    is_gone = np.zeros((3, len(areas.of_cell)), np.bool_)
+    first, second, _ = range(3)
+    is_gone[1, np.flatnonzero(areas.of_cell == first)[0]] = True
+    is_gone[2] = areas.of_cell == second
+    assert areas.are_there(is_gone).tolist() == [[True, True, False]] * 2 + [[True, False, False]]
+    assert areas.are_there(is_gone[:0]).shape == (0, 3)
+
+
+@pytest.mark.parametrize("n_steps", [0, 1, 5, 14])
+def test_a_game_that_ends_at_once_has_facts_and_pieces(words: Vocabulary, n_steps: int) -> None:
+    whole = clearing(3, [0])
+    short = replace(
+        whole,
+        memory=whole.memory[:n_steps],
+        held=whole.held[:n_steps],
+        blobs=whole.blobs[whole.blobs["step"] < n_steps],
+        packed_changed=whole.packed_changed[:n_steps],
+    )
+    facts = words.facts(short)
+    assert facts.shape == (n_steps, words.n_facts)
+    assert np.isfinite(facts).all()
+    pieces = things_of(short, words)
+    assert (pieces["kind"] == PIECES).sum() == n_steps * N_DOTS - max(n_steps - 4, 0)
+    assert find_pieces([short] * 3, SCENE) is None
