@@ -78,9 +78,11 @@ def find_pieces(traces: Sequence[Trace], scene: Scene) -> Mask | None:
         left = np.cumsum(changed[::-1], 0, dtype=np.int32)[::-1]
         cells = np.arange(n_cells)
         share = left[first, cells] / (len(changed) - first)
-        is_cleared = lasts.any(0) & (share >= STAYING_SHARE) & is_still
+        # A place that looks changed from the first step on, as in a maze of its own, tells nothing.
+        changes = first > 0
+        is_cleared = changes & (share >= STAYING_SHARE) & is_still
         cleared += is_cleared
-        returned += lasts.any(0) & ~is_cleared
+        returned += changes & ~is_cleared
         n_clearing += bool(is_cleared.any())
     found = (cleared >= MIN_GAMES) & (returned <= MOST_RETURNS * (cleared + returned))
     mask = _with_alike(found, scene.beginning)

@@ -234,3 +234,19 @@ def test_a_game_that_ends_at_once_has_facts_and_pieces(words: Vocabulary, n_step
     pieces = things_of(short, words)
     assert (pieces["kind"] == PIECES).sum() == n_steps * N_DOTS - max(n_steps - 4, 0)
     assert find_pieces([short] * 3, SCENE) is None
+
+
+def test_what_some_games_begin_without_is_no_piece() -> None:
+    games = []
+    for seed in range(20):
+        # Walls that stand elsewhere in a third of the games, from their first step on.
+        changed = (
+            clearing(seed, []).changed.reshape(HORIZON, *sampled(SCENE.beginning).shape).copy()
+        )
+        if seed % 3 == 0:
+            changed[:, 40:60, 20:40] = True
+        packed = np.packbits(changed.reshape(HORIZON, -1), axis=1)
+        games.append(replace(clearing(seed, []), packed_changed=packed))
+    screen = SCENE.beginning.copy()
+    screen[80:120, 40:80] = 0x20
+    assert find_pieces(games, Scene(screen, screen)) is None
