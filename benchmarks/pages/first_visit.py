@@ -162,7 +162,7 @@ def teach_other_side(visit: Visit) -> None:
         create_proposed(visit, "Keep to the right")
         visitor.step("Rank")
         visitor.click(page.get_by_role("button", name=re.compile("^Take over the 8 games")))
-        visitor.click(page.get_by_role("button", name="Turn the order round"))
+        visitor.click(page.get_by_role("button", name="Reverse the order"))
         visitor.expect_saved()
         told.append(understood(visit))
     with visit.part("Train the other side") as told:

@@ -47,7 +47,7 @@ export function SaveBar({
         />
         <IconButton
           icon="turnRound"
-          label={t`Turn the order round`}
+          label={t`Reverse the order`}
           disabled={state.tiers.length < 2 || conflict !== null}
           onClick={onTurnRound}
         />

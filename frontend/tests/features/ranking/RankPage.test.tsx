@@ -434,9 +434,9 @@ describe("ranking by keyboard", () => {
     await waitFor(() => expect(board()).toEqual([["2"], ["1"]]));
   });
 
-  it("is turned round by one button, which an undo takes back", async () => {
+  it("is reversed by one button, which an undo takes back", async () => {
     const server = await open({ tiers: [[1], [2, 3], [4]] });
-    const turn = screen.getByRole("button", { name: "Turn the order round" });
+    const turn = screen.getByRole("button", { name: "Reverse the order" });
     turn.focus();
     await userEvent.keyboard("{Enter}");
     expect(board()).toEqual([["4"], ["2", "3"], ["1"]]);
@@ -447,9 +447,9 @@ describe("ranking by keyboard", () => {
     await waitFor(() => expect(board()).toEqual([["1"], ["2", "3"], ["4"]]));
   });
 
-  it("of a single tier cannot be turned round", async () => {
+  it("of a single tier cannot be reversed", async () => {
     await open({ tiers: [[1, 2]] });
-    expect(screen.getByRole("button", { name: "Turn the order round" })).toBeDisabled();
+    expect(screen.getByRole("button", { name: "Reverse the order" })).toBeDisabled();
   });
 });
 
