@@ -45,7 +45,7 @@ export function Statements({ run, check: { statements, answers: known } }: State
           {told.map(({ sentence, meant }) => (
             <li key={sentence} className={styles.told}>
               {meant ? (
-                <Trans>You had said that this is it: {sentence}</Trans>
+                <Trans>You said that this is it: {sentence}</Trans>
               ) : (
                 <Trans>You said that it is not this: {sentence}</Trans>
               )}
