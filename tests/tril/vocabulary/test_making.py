@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from tril.errors import Invalid
 from tril.games import DEFAULT_GAME, game_named
-from tril.vocabulary import making
+from tril.vocabulary import facts, making
 from tril.vocabulary.facts import Vocabulary
 
 SHIPPED_FOR = (DEFAULT_GAME,)
@@ -38,3 +39,19 @@ def test_a_vocabulary_is_made_once_and_made_anew_if_it_is_damaged(
     path.write_bytes(path.read_bytes()[:1000])
     assert making.vocabulary_of(tmp_path, game).groups == made.groups
     assert Vocabulary.load(path).groups == made.groups
+
+
+def test_a_vocabulary_of_an_earlier_format_is_made_anew(
+    words: Vocabulary, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    game = game_named("pong")
+    path = making.vocabulary_path(tmp_path, game)
+    path.parent.mkdir()
+    with monkeypatch.context() as earlier:
+        earlier.setattr(facts, "FORMAT_VERSION", 3)
+        words.save(path)
+    with pytest.raises(Invalid, match="format 3"):
+        Vocabulary.load(path)
+    monkeypatch.setattr(making, "make_vocabulary", lambda *_: words)
+    assert making.vocabulary_of(tmp_path, game) is words
+    assert Vocabulary.load(path).groups == words.groups
