@@ -115,8 +115,9 @@ def brightest(screens: Sequence[Screen], game: Game) -> Screen:
         game: The game.
     """
     first, last = screens[0], screens[-1]
-    luminance = rgb_of(np.arange(256), game) @ LUMINANCE
-    return np.where(luminance[first] > luminance[last], first, last)
+    luminance = rgb_of(np.arange(256, dtype=np.uint8), game) @ LUMINANCE
+    shown: Screen = np.where(luminance[first] > luminance[last], first, last)
+    return shown
 
 
 def look_at_steps(recording: Recording, console: Console, look: LookAtStep) -> None:
