@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import re
 import shutil
 import tempfile
 from collections.abc import Iterator, Mapping
@@ -21,6 +22,7 @@ from testsupport.workplace import Workplace, copy_of, make_workplace
 from tril.store.models import RunStatus
 from tril.store.training import leases
 
+LOADING_TIMEOUT_MS = 60_000
 UNCHANGED = """() => new Promise((resolve) => {
   let timer = setTimeout(resolve, 250);
   const observer = new MutationObserver(() => {
@@ -101,4 +103,6 @@ def settled(page: Page, path: str) -> None:
     page.goto(path)
     expect(page.locator("h1, h2").first).to_be_visible()
     expect(page.locator("[aria-busy=true]")).to_have_count(0)
+    loading = page.get_by_role("status").filter(has_text=re.compile("^Loading "))
+    expect(loading).to_have_count(0, timeout=LOADING_TIMEOUT_MS)
     page.evaluate(UNCHANGED)
