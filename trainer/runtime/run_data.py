@@ -83,10 +83,10 @@ class RunData:
     @property
     def preference_dataset(self) -> PreferenceDataset:
         """The dataset that the reward is learned from, as the recipe says."""
-        place = {number: index for index, number in enumerate(self.snapshot.ranked)}
-        ranked_as = [place.get(number) for number in self.snapshot.perfect]
-        perfect = PerfectDemonstrations(self.perfect_trajectories, ranked_as)
         recipe = self.context.recipe.reward
+        place = {number: index for index, number in enumerate(self.snapshot.ranked)}
+        ranked_as = [place.get(number) for number in self.best_efforts]
+        perfect = PerfectDemonstrations(self.trajectories(self.best_efforts), ranked_as)
         return PreferenceDataset.from_demonstrations(
             self.ranked_trajectories,
             self.index_tiers,
@@ -94,6 +94,16 @@ class RunData:
             perfect,
             self._game_facts() if recipe.method == "statement" else None,
         )
+
+    @property
+    def best_efforts(self) -> list[int]:
+        """Ids of the perfect demonstrations that the reward is learned from.
+
+        Best ranked games that stand in for them say nothing beside the order, as on the rank page:
+        counted as best efforts they made statements worse (docs/decisions/26-statements.md).
+        """
+        stand_in = self.snapshot.none_marked and self.context.recipe.reward.method == "statement"
+        return [] if stand_in else self.snapshot.perfect
 
     def _game_facts(self) -> GameFacts:
         """Return the facts of the run's games, and of varied ones, in the game's own vocabulary."""
@@ -116,7 +126,7 @@ class RunData:
         return GameFacts(
             words,
             [self._facts[number] for number in self.snapshot.ranked],
-            [self._facts[number] for number in self.snapshot.perfect],
+            [self._facts[number] for number in self.best_efforts],
             self._varied,
             [Answer(frozenset(answer.subjects), answer.meant) for answer in self.snapshot.answers],
         )

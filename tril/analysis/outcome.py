@@ -41,12 +41,14 @@ class RunSnapshot(Stored):
         ranking_revision: The behaviour's ranking; None where the tiers are an example's own.
         tiers: Ids of the ranked recordings, best tier first.
         perfect: Ids of the recordings that the clone learns from.
+        none_marked: Whether none is marked as perfect, so that these are the best ranked ones.
         answers: Answers about statements on the ranking, the latest last.
     """
 
     ranking_revision: int | None = None
     tiers: list[list[int]]
     perfect: list[int]
+    none_marked: bool = False
     answers: list[StatementAnswer] = []
 
     @property

@@ -185,10 +185,11 @@ def freeze_ranking(session: Session, behaviour_id: int) -> RunSnapshot:
         )
     rankings.refuse_unrankable(session, behaviour_id, ranking)
     tiers = [list(tier) for tier in ranking.tiers]
-    perfect = recordings.perfect_ids(session, behaviour_id) or best_ranked(tiers)
+    marked = recordings.perfect_ids(session, behaviour_id)
     return RunSnapshot(
         ranking_revision=row.revision,
         tiers=tiers,
-        perfect=perfect,
+        perfect=marked or best_ranked(tiers),
+        none_marked=not marked,
         answers=answers.current(session, behaviour_id),
     )

@@ -40,7 +40,7 @@ def test_the_best_ranked_stand_in_where_none_is_marked_as_perfect(workplace: Wor
         recordings.update(session, recordings.get(session, best), perfect=False)
     found = workplace.run(workplace.make_run()).snapshot
     assert found is not None
-    assert found.perfect == [best]
+    assert (found.perfect, found.none_marked) == ([best], True)
 
 
 def test_a_ranking_whose_recordings_are_deleted_or_unverified_is_refused(
