@@ -156,7 +156,7 @@ def teach_two_sides(visit: Visit) -> None:
 def teach_other_side(visit: Visit) -> None:
     """Teach the right side by the eight games of the left one, in the opposite order."""
     visitor, page = visit.visitor, visit.page
-    with visit.part("Stay on the right: create it, take the eight over, turn them round") as told:
+    with visit.part("Stay on the right: create it, take over the eight, reverse the order") as told:
         visitor.follow(re.compile("^Games"))
         visitor.follow("Space Invaders")
         create_proposed(visit, "Keep to the right")

@@ -110,7 +110,7 @@ class Vocabulary:
         at = [places(played, kinds) for played in traces]
         kinds = named_kinds(kinds, at, [played.memory for played in traces], things or {})
         player = find_player(traces, at)
-        pieces = find_pieces(traces, scene)
+        pieces = find_pieces(traces, scene.beginning)
         groups = (
             *memory_groups([played.memory for played in traces], at),
             *(Group("button", (button,), "held") for button in range(n_buttons)),

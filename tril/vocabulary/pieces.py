@@ -13,9 +13,10 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from tril.games.base import Screen
 from tril.vocabulary.groups import Group, binned
 from tril.vocabulary.kinds import Array
-from tril.vocabulary.trace import Scene, Trace, sampled
+from tril.vocabulary.trace import Trace, sampled, strides_of
 
 Mask = npt.NDArray[np.bool_]
 
@@ -23,20 +24,21 @@ PIECES = 255
 """Stands for the pieces where things are named by the index of their kind."""
 
 LASTING_STEPS = 8
-"""Steps, half a second, for which a place has to look changed: longer than a thing passes it."""
+"""Half a second, for which a place has to look changed: passing things hide it for less."""
 MIN_STEPS_LEFT = 15
-"""Of a game after a change, for it to tell whether the place changes back."""
+"""Steps after a change that it takes to tell whether the place changes back."""
 STAYING_SHARE = 0.9
-"""Of the steps after a change, those in which the place looks changed, to be cleared for good."""
+"""A place is cleared if it looks changed in this share of the steps after its change."""
 MOST_RETURNS = 0.05
-"""Of the games in which a place changes, those in which it changes back."""
+"""A place is no piece if it changes back in a larger share of the games in which it changes."""
 MIN_GAMES = 2
-"""In which a place is cleared for good."""
+"""In which a place of a piece is cleared."""
 REACHED_SHARE = 0.1
-"""Of an area of one colour, what is cleared in some game, for the area to be pieces as a whole."""
+"""An area of one colour is a piece as a whole if this share of it is cleared in some games."""
 MIN_CELLS = 8
+"""Sampled pixels of all pieces together; fewer are noise."""
 MIN_GAMES_SHARE = 0.2
-"""Of the games, those in which something is cleared, for a game to have pieces."""
+"""A game has pieces if something is cleared in this share of the varied games."""
 MOST_OF_SCREEN = 0.5
 """What covers more of the screen is a picture that moves."""
 MOST_AREA = 0.05
@@ -55,14 +57,14 @@ def lasting(changed: Mask) -> Mask:
     return lasts
 
 
-def find_pieces(traces: Sequence[Trace], scene: Scene) -> Mask | None:
+def find_pieces(traces: Sequence[Trace], beginning: Screen) -> Mask | None:
     """Return which pixels are pieces, bool (height, width); None if the game has none.
 
     Args:
         traces: Varied games.
-        scene: What the game's screen looks like.
+        beginning: Colours of the screen at the beginning, uint8 (height, width).
     """
-    n_cells = sampled(scene.beginning).size
+    n_cells = sampled(beginning).size
     cleared, returned = np.zeros(n_cells, np.int64), np.zeros(n_cells, np.int64)
     n_clearing = 0
     n_steps = sum(played.n_steps for played in traces)
@@ -74,35 +76,31 @@ def find_pieces(traces: Sequence[Trace], scene: Scene) -> Mask | None:
         if not len(lasts):
             continue
         first = lasts.argmax(0)
-        # (n_steps + 1, n_cells): steps from each one on in which a place looks changed.
-        left = np.cumsum(changed[::-1], 0, dtype=np.int32)[::-1]
-        cells = np.arange(n_cells)
-        share = left[first, cells] / (len(changed) - first)
+        # (n_steps, n_cells): steps from each one on in which a place looks changed.
+        n_changed = np.cumsum(changed[::-1], 0, dtype=np.int32)[::-1]
+        share = n_changed[first, np.arange(n_cells)] / (len(changed) - first)
         # A place that looks changed from the first step on, as in a maze of its own, tells nothing.
         changes = first > 0
         is_cleared = changes & (share >= STAYING_SHARE) & is_still
         cleared += is_cleared
         returned += changes & ~is_cleared
         n_clearing += bool(is_cleared.any())
-    found = (cleared >= MIN_GAMES) & (returned <= MOST_RETURNS * (cleared + returned))
-    mask = _with_alike(found, scene.beginning)
+    is_piece = (cleared >= MIN_GAMES) & (returned <= MOST_RETURNS * (cleared + returned))
+    mask = _with_alike(is_piece, beginning)
     n_found = int(sampled(mask).sum())
     if n_found < MIN_CELLS or n_found > MOST_OF_SCREEN * n_cells:
         return None
     return mask if n_clearing >= MIN_GAMES_SHARE * len(traces) else None
 
 
-def _with_alike(found: Mask, beginning: npt.NDArray[np.uint8]) -> Mask:
+def _with_alike(cleared: Mask, beginning: Screen) -> Mask:
     """Return the pixels of areas of one colour that are cleared, and of those alike in size.
 
     Args:
-        found: Which cells are cleared, bool (n_cells,).
+        cleared: Which cells are cleared, bool (n_cells,).
         beginning: Colours of the screen at the beginning, uint8 (height, width).
     """
-    grid = np.zeros_like(sampled(beginning), np.bool_)
-    cells = np.flatnonzero(found)
-    grid.ravel()[cells] = True
-    reached = _spread_out(grid, beginning.shape)
+    reached = _spread_out(cleared.reshape(sampled(beginning).shape), beginning.shape)
     # Index of each pixel's area, int32 (height, width); width, height and area of each area.
     area_of = np.zeros(beginning.shape, np.int32)
     sizes = np.empty((0, 3), np.int32)
@@ -126,8 +124,7 @@ def _with_alike(found: Mask, beginning: npt.NDArray[np.uint8]) -> Mask:
 
 def _spread_out(grid: Mask, shape: tuple[int, ...]) -> Mask:
     """Return the pixels that the cells of a sampled screen stand for, bool (height, width)."""
-    strides = [-(-size // cells) for size, cells in zip(shape, grid.shape, strict=True)]
-    pixels: Mask = np.kron(grid, np.ones(strides, np.bool_))[: shape[0], : shape[1]]
+    pixels: Mask = np.kron(grid, np.ones(strides_of(shape), np.bool_))[: shape[0], : shape[1]]
     return pixels
 
 
@@ -205,7 +202,6 @@ class Areas:
 
 def cells_of(mask: Mask) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
     """Return row and column in pixels of each cell that a mask covers."""
-    small = sampled(mask)
-    rows, columns = np.nonzero(small)
-    stride_y, stride_x = (-(-size // n) for size, n in zip(mask.shape, small.shape, strict=True))
-    return rows * stride_y, columns * stride_x
+    down, right = strides_of(mask.shape)
+    rows, columns = np.nonzero(sampled(mask))
+    return rows * down, columns * right

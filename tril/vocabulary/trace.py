@@ -72,11 +72,15 @@ class Trace:
         return len(self.memory)
 
 
+def strides_of(shape: tuple[int, ...]) -> tuple[int, int]:
+    """Return every which row and column of a screen of a shape is sampled."""
+    down, right = (-(-size // most) for size, most in zip(shape, SAMPLED_SIZE, strict=True))
+    return down, right
+
+
 def sampled(screen: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Return a screen of at most SAMPLED_SIZE, by leaving out rows and columns."""
-    down, right = (
-        -(-size // most) for size, most in zip(screen.shape[:2], SAMPLED_SIZE, strict=True)
-    )
+    """Return a screen (height, width) with at most SAMPLED_SIZE rows and columns, some left out."""
+    down, right = strides_of(screen.shape)
     return screen[::down, ::right]
 
 
@@ -105,17 +109,22 @@ def rgb_of(colours: npt.NDArray[np.uint8] | int, game: Game) -> npt.NDArray[np.f
     return np.stack(parts, -1).astype(np.float64) + 16
 
 
-def brightest(screens: Sequence[Screen], game: Game) -> Screen:
+def luminance_of(game: Game) -> npt.NDArray[np.float64]:
+    """Return the luminance of each colour number, float64 (256,), 0 to 255."""
+    luminance: npt.NDArray[np.float64] = rgb_of(np.arange(256, dtype=np.uint8), game) @ LUMINANCE
+    return luminance
+
+
+def brightest(screens: Sequence[Screen], luminance: npt.NDArray[np.float64]) -> Screen:
     """Return the brighter colour of each pixel of two frames, so that what flickers is seen.
 
-    Observations have it, too (maximum of the last two frames).
+    Observations are made so, too (maximum of the last two frames, Mnih et al. 2015).
 
     Args:
         screens: Colour numbers of one or two frames.
-        game: The game.
+        luminance: See `luminance_of`.
     """
     first, last = screens[0], screens[-1]
-    luminance = rgb_of(np.arange(256, dtype=np.uint8), game) @ LUMINANCE
     shown: Screen = np.where(luminance[first] > luminance[last], first, last)
     return shown
 
@@ -147,6 +156,7 @@ def count_background(
     recording: Recording, console: Console, background: Background, beginning: Background
 ) -> None:
     """Count the colours of every third step of a recording, and those of its first steps."""
+    luminance = luminance_of(recording.game)
     number = 0
 
     def look(screens: list[Screen], _memory: bytes, _actions: bytes) -> None:
@@ -154,7 +164,7 @@ def count_background(
         if number % 3 == 0:
             background.add(screens[-1])
         if number < BEGINNING_STEPS:
-            beginning.add(brightest(screens, recording.game))
+            beginning.add(brightest(screens, luminance))
         number += 1
 
     look_at_steps(recording, console, look)
@@ -176,13 +186,14 @@ def trace(recording: Recording, console: Console, scene: Scene) -> Trace:
     blobs: list[Blobs] = []
     changed: list[npt.NDArray[np.uint8]] = []
     beginning = sampled(scene.beginning)
+    luminance = luminance_of(recording.game)
     controls = recording.game.controls
 
     def look(screens: list[Screen], ram: bytes, actions: bytes) -> None:
         of_step = _blobs_of_step(screens, scene.background)
         of_step["step"] = len(memory)
         blobs.append(of_step)
-        shown = brightest([sampled(screen) for screen in screens], recording.game)
+        shown = brightest([sampled(screen) for screen in screens], luminance)
         changed.append(np.packbits(shown != beginning))
         memory.append(np.frombuffer(ram, np.uint8))
         action = int(np.bincount(np.frombuffer(actions, np.uint8)).argmax())

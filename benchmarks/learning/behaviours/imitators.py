@@ -1,7 +1,7 @@
 """What becomes of a behaviour that is taught by ranked games and best efforts, in any game.
 
-    python -m benchmarks.learning.behaviours.imitators FOLDER --games pong freeway
-    python -m benchmarks.learning.behaviours.imitators FOLDER --games pong --recipe paper
+    python -m benchmarks.learning.behaviours.imitators FOLDER --half report --games pong
+    python -m benchmarks.learning.behaviours.imitators FOLDER --half report --recipe paper
 
 Reward, clone and imitator are learned by a recipe, and play from evaluation starts with sticky
 actions, beside a tape of the best efforts. Their games are judged by the truth of the behaviour,

@@ -76,7 +76,7 @@ def words() -> Vocabulary:
     return Vocabulary.of_games(games, SCENE, 2, HORIZON)
 
 
-def test_what_is_cleared_for_good_is_pieces_and_so_is_what_is_alike(words: Vocabulary) -> None:
+def test_cleared_areas_and_those_alike_are_pieces(words: Vocabulary) -> None:
     assert words.pieces is not None
     expected = np.zeros((210, 160), np.bool_)
     for left in LEFTS:
@@ -84,7 +84,7 @@ def test_what_is_cleared_for_good_is_pieces_and_so_is_what_is_alike(words: Vocab
     assert np.array_equal(words.pieces, expected)
 
 
-def test_what_passes_clears_nothing(words: Vocabulary) -> None:
+def test_a_passing_thing_clears_nothing(words: Vocabulary) -> None:
     assert words.pieces is not None
     gone = gone_pieces(clearing(3, [], passing=True), words.pieces)
     assert not gone.is_gone.any()
@@ -150,7 +150,7 @@ def test_pieces_have_the_name_that_the_game_gives_them(words: Vocabulary) -> Non
     assert kind_name(words, PIECES, game_named("breakout")) == "bricks"
 
 
-def test_a_byte_that_counts_what_is_cleared_is_told_by_it() -> None:
+def test_a_counter_of_cleared_dots_is_told_by_them() -> None:
     games = []
     for seed in range(20):
         rng = np.random.default_rng(seed)
@@ -160,8 +160,8 @@ def test_a_byte_that_counts_what_is_cleared_is_told_by_it() -> None:
         games.append(game)
     words = Vocabulary.of_games(games, SCENE, 2, HORIZON)
     about = ("memory", (6,), "changes")
-    found = next(g for g in words.groups if (g.source, g.subject, g.aspect) == about)
-    told = phrase(words, found, np.array([1.0, 0.0, 0.0]), game_named("pong"))
+    counter = next(g for g in words.groups if (g.source, g.subject, g.aspect) == about)
+    told = phrase(words, counter, np.array([1.0, 0.0, 0.0]), game_named("pong"))
     assert told.text.endswith("cleared more often")
     assert told.kind == PIECES
 
@@ -190,7 +190,6 @@ def test_a_large_screen_with_many_areas_takes_little_memory() -> None:
     # A texture of 3,750 areas, of which the upper ones are cleared.
     tiles = np.random.default_rng(0).integers(1, 200, (50, 75))
     screen = np.kron(tiles, np.ones((8, 8))).astype(np.uint8)
-    scene = Scene(screen, screen)
     small = sampled(screen)
     changed = np.zeros((40, *small.shape), np.bool_)
     changed[15:, :20] = True
@@ -198,7 +197,7 @@ def test_a_large_screen_with_many_areas_takes_little_memory() -> None:
     games = [replace(played(0, 40), packed_changed=packed, n_cells=small.size)] * 2
     tracemalloc.start()
     try:
-        assert find_pieces(games, scene) is None
+        assert find_pieces(games, screen) is None
         _, peak = tracemalloc.get_traced_memory()
     finally:
         tracemalloc.stop()
@@ -233,10 +232,10 @@ def test_a_game_that_ends_at_once_has_facts_and_pieces(words: Vocabulary, n_step
     assert np.isfinite(facts).all()
     pieces = things_of(short, words)
     assert (pieces["kind"] == PIECES).sum() == n_steps * N_DOTS - max(n_steps - 4, 0)
-    assert find_pieces([short] * 3, SCENE) is None
+    assert find_pieces([short] * 3, SCENE.beginning) is None
 
 
-def test_what_some_games_begin_without_is_no_piece() -> None:
+def test_walls_missing_from_some_games_are_no_pieces() -> None:
     games = []
     for seed in range(20):
         # Walls that stand elsewhere in a third of the games, from their first step on.
@@ -249,4 +248,4 @@ def test_what_some_games_begin_without_is_no_piece() -> None:
         games.append(replace(clearing(seed, []), packed_changed=packed))
     screen = SCENE.beginning.copy()
     screen[80:120, 40:80] = 0x20
-    assert find_pieces(games, Scene(screen, screen)) is None
+    assert find_pieces(games, screen) is None
