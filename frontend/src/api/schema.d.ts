@@ -2944,6 +2944,7 @@ export interface components {
         UnderstoodStatement: {
             contrast: components["schemas"]["ShownMoment"] | null;
             /** @default  */
+            details: string;
             detail: string;
             /** @default [] */
             kinds: number[];
@@ -2964,7 +2965,11 @@ export interface components {
             /** @default 24 */
             count: number;
         };
-        /** @description What came of a training, in words, and where to take the next step, if it is on a page. */
+        /**
+         * @description What came of a training, in words, and where to take the next step, if it is on a page.
+         *
+         *     ``details`` are the figures behind the sentence; empty if there are none.
+         */
         Verdict: {
             advice: string;
             next_step: ("rank" | "teach" | "train" | "games") | null;

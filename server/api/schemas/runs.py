@@ -233,12 +233,16 @@ class RewardAlarm(Schema):
 
 
 class Verdict(Schema):
-    """What came of a training, in words, and where to take the next step, if it is on a page."""
+    """What came of a training, in words, and where to take the next step, if it is on a page.
+
+    ``details`` are the figures behind the sentence; empty if there are none.
+    """
 
     tone: Tone
     sentence: str
     advice: str
     next_step: NextStep | None
+    details: str
 
 
 class TrainingGames(Schema):

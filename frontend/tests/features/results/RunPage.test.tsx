@@ -71,6 +71,7 @@ describe("a run that is over", () => {
     const verdict = {
       tone: "fair",
       sentence: "The imitator hits 4 of 6 targets.",
+      details: "It loses no game.",
       advice: "Train for longer.",
       next_step: "train",
     } as const;
@@ -253,6 +254,7 @@ describe("a run that ended early", () => {
     const verdict = {
       tone: "none" as const,
       sentence: "This run was cancelled before its imitator had played.",
+      details: "",
       advice: "Resume it: it goes on from its last checkpoint.",
       next_step: null,
     };
