@@ -10,6 +10,7 @@ from pydantic import Field, StrictBool
 
 from server.api.schemas.base import Id, Schema
 from server.api.schemas.measures import MeasureRow
+from server.api.schemas.rankings import UnderstoodStatement
 from server.api.schemas.recordings import Recording
 from tril.analysis.blind import BlindResult
 from tril.analysis.extrapolation import JudgedGame, Measure, PlayerKind
@@ -161,6 +162,7 @@ class RankedReturn(Schema):
 class RankingCheck(CheckVerdict):
     """How well the reward model agrees with the ranking, with the recordings concerned."""
 
+    statements: list[UnderstoodStatement]
     confused: list[ConfusedTiers]
     returns: list[RankedReturn]
 
@@ -240,9 +242,9 @@ class Verdict(Schema):
 
     tone: Tone
     sentence: str
+    details: str
     advice: str
     next_step: NextStep | None
-    details: str
 
 
 class TrainingGames(Schema):

@@ -170,6 +170,15 @@ describe("the verdict on a result", () => {
 });
 
 describe("what a result says", () => {
+  it("has the picture of what was understood", async () => {
+    const pictured = statement("what you steer further to the left", 0.83, {
+      pictures: ["/thing.png"],
+    });
+    open({ check: { ...CHECK, statements: [pictured] } });
+    const told = await screen.findByRole("region", { name: /^What Tril understood/ });
+    expect(told.querySelector("img")).toHaveAttribute("src", "/thing.png");
+  });
+
   it("is what was understood, and asks whether it was meant", async () => {
     open({ check: CHECK });
     const told = within(await screen.findByRole("region", { name: /^What Tril understood/ }));
