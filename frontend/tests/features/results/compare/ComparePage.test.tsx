@@ -9,7 +9,9 @@ import { serve } from "../../../support/server";
 
 // Charts need a canvas, which jsdom lacks; the browser tests cover them.
 vi.mock("@/features/results/curves/Chart", () => ({
-  Chart: ({ title }: { title: string }) => <figure aria-label={title} />,
+  Chart: ({ title, isNamed }: { title: string; isNamed?: boolean }) => (
+    <figure aria-label={title} data-named={isNamed} />
+  ),
 }));
 
 it("runs are compared as far as they can be loaded", async () => {
@@ -26,6 +28,8 @@ it("runs are compared as far as they can be loaded", async () => {
   const table = within(screen.getByRole("table", { name: "Runs side by side" }));
   expect(table.getByRole("columnheader", { name: /Wide/ })).toBeVisible();
   expect(table.getByRole("row", { name: "steps 20,000 500,000" })).toBeVisible();
-  expect(await screen.findByRole("figure", { name: "Indecision (entropy)" })).toBeVisible();
+  const chart = await screen.findByRole("figure", { name: "Indecision (entropy)" });
+  expect(chart).toBeVisible();
+  expect(chart).toHaveAttribute("data-named", "true");
   expect(screen.getByRole("button", { name: "Download the curves (CSV)" })).toBeVisible();
 });
