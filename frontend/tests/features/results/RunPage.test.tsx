@@ -142,7 +142,7 @@ describe("taking a run away", () => {
 
   it("is not offered before the run is done", async () => {
     open(run());
-    await screen.findByRole("figure", { name: "Targets hit per game" });
+    await screen.findByRole("figure", { name: "Hits per game" });
     expect(screen.queryByRole("region", { name: "Take it with you" })).toBeNull();
   });
 });
@@ -156,7 +156,7 @@ describe("a run that goes", () => {
       .getAllByRole("progressbar")
       .map((bar) => bar.getAttribute("aria-valuenow"));
     expect(stages).toEqual(["100", "100", "100", "100", "50", "0", "0"]);
-    expect(await screen.findByRole("figure", { name: "Targets hit per game" })).toBeVisible();
+    expect(await screen.findByRole("figure", { name: "Hits per game" })).toBeVisible();
   });
 
   it("shows no time left while it is being cancelled", () => {
@@ -284,7 +284,7 @@ describe("a run that ended early", () => {
     const parent = "abcdef00-0000-4000-8000-000000000000";
     const one = run({ status: "done", steps: 500_000, training_seed: 3, parent_run_id: parent });
     open(one);
-    expect(screen.getByRole("link", { name: "Run again with changes" })).toHaveAttribute(
+    expect(screen.getByRole("link", { name: "Run again" })).toHaveAttribute(
       "href",
       `/behaviours/1/train?recipe=fast&steps=500000&seed=3&rate=0.0003&continue=${parent}`,
     );
