@@ -43,12 +43,7 @@ export function RunPage({ run, behaviour }: { run: Run; behaviour: Behaviour }) 
       <PageTitle>{t`${runName(run)} · ${behaviour.name} · Tril`}</PageTitle>
       <RunHead run={run} behaviour={behaviour} />
       {results?.verdict && !hasVerdictOverGames(run, results) && (
-        <VerdictView
-          verdict={results.verdict}
-          run={run}
-          results={results}
-          behaviour={behaviour}
-        />
+        <VerdictView verdict={results.verdict} run={run} results={results} behaviour={behaviour} />
       )}
       {isDone ? result : null}
       <RunNotices run={run} />
