@@ -174,9 +174,10 @@ def get_run_metrics(
 
 
 @router.get("/runs/{run_id}/results", responses=NOT_FOUND)
-def get_run_results(session: ReadSession, who: Who, run_id: RunId) -> RunResults:
+def get_run_results(request: Request, session: ReadSession, who: Who, run_id: RunId) -> RunResults:
     """Return the results of a training so far."""
-    return run_results(session, who, runs.get(session, str(run_id)))
+    run = runs.get(session, str(run_id))
+    return run_results(session, who, run, services_of(request).vocabularies)
 
 
 def _now(request: Request, run_id: RunId) -> Run:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Sequence
 from pathlib import Path as FilePath
 from typing import Annotated
 
@@ -12,13 +13,16 @@ from starlette.responses import Response
 from server.api.schemas.rankings import Meaning, NamedThing, NamedThings, ThingInSight
 from server.dependencies import MAX_ID, BehaviourId, services_of
 from server.services import Services
+from server.vocabularies import VocabularyMaker
 from server.web.problems import NOT_FOUND
+from tril.analysis.outcome import ToldStatement
 from tril.errors import NotFound
 from tril.games import game_of
 from tril.games.base import Game
 from tril.games.settings import MAX_STEPS
 from tril.recording import Recording
 from tril.store import behaviours, recordings
+from tril.vocabulary.answers import kinds_about
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.making import vocabulary_key
 from tril.vocabulary.pointing import meanings_of
@@ -30,6 +34,32 @@ router = APIRouter(prefix="/behaviours/{behaviour_id}/ranking/things", tags=["ra
 def picture_url(behaviour_id: int, game: Game) -> str:
     """Return the URL of a thing's picture, with braces for its kind."""
     return f"/api/behaviours/{behaviour_id}/ranking/things/{{}}.png?v={vocabulary_key(game)}"
+
+
+def statement_pictures(
+    vocabularies: VocabularyMaker,
+    behaviour_id: int,
+    game: Game,
+    statements: Sequence[ToldStatement],
+) -> list[list[str]]:
+    """Return the URLs of the pictures of what each statement of a run is about.
+
+    Statements name what they are about in the terms of the vocabulary that the run learned with.
+    There are no pictures before Tril has learned to see the game here.
+    """
+    pictured = vocabularies.pictured(game) if statements else frozenset[int]()
+    words = vocabularies.known(game) if pictured else None
+    if words is None:
+        return [[] for _ in statements]
+    picture = picture_url(behaviour_id, game)
+    return [
+        [
+            picture.format(kind)
+            for kind in kinds_about(words, statement.subjects)
+            if kind in pictured
+        ]
+        for statement in statements
+    ]
 
 
 @router.get("", responses=NOT_FOUND)

@@ -12,6 +12,7 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 from server.turns import ONE_THREAD
@@ -25,6 +26,12 @@ _LOG = logging.getLogger(__name__)
 
 _COMMAND = (sys.executable, "-m", "server.vocabularies")
 _LOG_TAIL_BYTES = 4_000
+
+
+@lru_cache(maxsize=4)
+def _load(path: Path, _changed_ns: int) -> Vocabulary:
+    """Read a vocabulary, which takes tens of milliseconds, once for each change of its file."""
+    return Vocabulary.load(path)
 
 
 @dataclass(frozen=True)
@@ -70,6 +77,14 @@ class VocabularyMaker:
                 if making.path is None or not pictures_path(self._data, game).exists():
                     self._thread.submit(self._make, key, game)
         return making
+
+    def known(self, game: Game) -> Vocabulary | None:
+        """Return a game's vocabulary if it is made already; none is made for it."""
+        path = vocabulary_path(self._data, game)
+        try:
+            return _load(path, path.stat().st_mtime_ns)
+        except (OSError, Invalid):
+            return None
 
     def pictured(self, game: Game) -> frozenset[int]:
         """Return the kinds of things that there are pictures of, by their indices."""

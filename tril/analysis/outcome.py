@@ -5,7 +5,7 @@ Members that earlier versions of Tril did not store have defaults.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from enum import StrEnum
 from typing import Self
 
@@ -158,7 +158,7 @@ class CheckVerdict(CheckFigures):
     advice: str
     warning: str = ""
     wanted: WantedAliens | None = None
-    statements: list[ToldStatement] = []
+    statements: Sequence[ToldStatement] = ()
     answers: list[StatementAnswer] = []
 
 

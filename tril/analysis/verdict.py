@@ -58,13 +58,15 @@ class Verdict:
 
     Attributes:
         tone: Success of the run; "none" where it can't be told.
-        sentence: Result with its figures.
+        sentence: Result, in one short sentence.
+        details: Figures and comparisons behind it; empty if there are none.
         advice: Next step for the person.
         next_step: Where.
     """
 
     tone: Tone
     sentence: str
+    details: str
     advice: str
     next_step: NextStep | None
 
@@ -80,18 +82,25 @@ def verdict(run: RunFigures) -> Verdict:
     if is_too_short(run.steps, run.warm_up_steps):
         return Verdict(
             "bad",
-            f"{_hits(run, imitator.targets, clone)} The run was too short to learn anything: in"
-            f" its {run.steps:,} steps only the critic learned, which takes the first"
-            f" {run.warm_up_steps:,}, so the imitator still plays as it began.",
+            "The run was too short to learn anything.",
+            f"In its {run.steps:,} steps only the critic learned, which takes the first"
+            f" {run.warm_up_steps:,}, so the imitator still plays as it began. It hits"
+            f" {_mean(imitator.targets.mean)} of {run.n_targets} targets"
+            f"; the {_interval(imitator.targets)}.",
             f"Train for longer, such as {run.default_steps:,} steps.",
             "train",
         )
-    better = _better(imitator.targets, clone)
-    sentence = (
-        f"{_hits(run, imitator.targets, clone)}{better}{_mistakes(imitator)}"
-        f" {_lost(imitator.death_rate)}"
+    details = " ".join(
+        sentence
+        for sentence in (
+            f"The {_interval(imitator.targets)}.",
+            _beside_clone(imitator.targets, clone),
+            _mistakes(imitator),
+            _lost(imitator.death_rate),
+        )
+        if sentence
     )
-    return _advised(run, imitator, imitator.targets, clone, sentence)
+    return _advised(run, imitator, imitator.targets, clone, details)
 
 
 def is_too_short(steps: int, warm_up_steps: int) -> bool:
@@ -104,8 +113,9 @@ def _advised(
     imitator: PolicySummary,
     targets: Interval,
     clone: PolicySummary | None,
-    sentence: str,
+    details: str,
 ) -> Verdict:
+    sentence = _hits(run, targets)
     best = run.best_targets or run.n_targets or 0
     lost = imitator.death_rate.mean
     is_no_better = (
@@ -118,6 +128,7 @@ def _advised(
         return Verdict(
             "bad",
             sentence,
+            details,
             "Its reward rose while its games did not get better. Rank some of its games where they"
             " belong, and train again.",
             "teach",
@@ -128,31 +139,31 @@ def _advised(
         is_better = run.best_targets is not None and targets.low > run.best_targets
         compared = "better than" if is_better else "about as well as"
         advice = f"It plays {compared} the best demonstration. Watch some of its games."
-        return Verdict("good", sentence, advice, "games")
+        return Verdict("good", sentence, details, advice, "games")
     tone: Tone = "bad" if is_no_better or lost > MOST_LOST else "fair"
     if lost > MOST_LOST:
         advice = (
             "Rank some of the games that it loses low among the others, and train further from it."
         )
-        return Verdict(tone, sentence, advice, "teach")
+        return Verdict(tone, sentence, details, advice, "teach")
     if run.steps < run.default_steps:
         advice = f"Train for longer: the recipe proposes {run.default_steps:,} steps."
-        return Verdict(tone, sentence, advice, "train")
+        return Verdict(tone, sentence, details, advice, "train")
     if is_no_better:
         advice = (
             "The reward taught it nothing that the clone can't do. Check the order, or rank some of"
             " its own games among the others, and train again."
         )
-        return Verdict(tone, sentence, advice, "rank")
+        return Verdict(tone, sentence, details, advice, "rank")
     if makes_mistakes:
         error = "other aliens" if strays >= order_errors else "targets out of order"
         advice = (
             f"Teach it more: rank games in which it hits {error} low among the others, and train"
             " further."
         )
-        return Verdict(tone, sentence, advice, "teach")
+        return Verdict(tone, sentence, details, advice, "teach")
     advice = "Teach it more: rank some of its own games among the others, and train further."
-    return Verdict(tone, sentence, advice, "teach")
+    return Verdict(tone, sentence, details, advice, "teach")
 
 
 def _without_games(run: RunFigures) -> Verdict:
@@ -160,8 +171,8 @@ def _without_games(run: RunFigures) -> Verdict:
         case "stopped":
             return Verdict(
                 "bad",
-                "The check stopped this run before its imitator was trained: the reward model has"
-                " not understood the ranking.",
+                "The check stopped this run before its imitator was trained.",
+                "The reward model has not understood the ranking.",
                 "Add games that show more clearly what is better, or correct the order, and train"
                 " again.",
                 "rank",
@@ -170,6 +181,7 @@ def _without_games(run: RunFigures) -> Verdict:
             return Verdict(
                 "bad",
                 "This run failed before its imitator had played.",
+                "",
                 "Resume it: it goes on from its last checkpoint. If it fails again, the message"
                 " says why.",
                 None,
@@ -178,6 +190,7 @@ def _without_games(run: RunFigures) -> Verdict:
             return Verdict(
                 "none",
                 "This run was cancelled while it waited, before it began.",
+                "",
                 "Resume it to start it.",
                 None,
             )
@@ -185,14 +198,15 @@ def _without_games(run: RunFigures) -> Verdict:
             return Verdict(
                 "none",
                 "This run was cancelled before its imitator had played.",
+                "",
                 "Resume it: it goes on from its last checkpoint.",
                 None,
             )
         case "done":
             return Verdict(
                 "none",
-                "No game of this run began from a start that its training had not seen, so nothing"
-                " tells how well the imitator plays.",
+                "Nothing tells how well the imitator plays.",
+                "No game of this run began from a start that its training had not seen.",
                 "Watch its games.",
                 "games",
             )
@@ -203,34 +217,31 @@ def _without_targets(imitator: PolicySummary, clone: PolicySummary | None) -> Ve
     n = imitator.death_rate.n
     return Verdict(
         "none",
-        f"The imitator loses {_percent(imitator.death_rate.mean)} of its {_games(n)}{against}."
-        " This behaviour names no targets, so how well it plays isn't counted.",
+        f"The imitator loses {_percent(imitator.death_rate.mean)} of its {_games(n)}{against}.",
+        "This behaviour names no targets, so how well it plays isn't counted.",
         "Compare its games with others blind, and rank those that show something new.",
         "teach",
     )
 
 
-def _hits(run: RunFigures, targets: Interval, clone: PolicySummary | None) -> str:
-    sure = f"95% interval {targets.low:.1f} to {targets.high:.1f}, {_games(targets.n)}"
-    comparisons = []
-    if clone is not None and clone.targets is not None:
-        comparisons.append(f"the clone hits {_mean(clone.targets.mean)}")
-    if run.best_targets is not None:
-        comparisons.append(f"the best demonstration {run.best_targets}")
-    comparison = f"; {', '.join(comparisons)}" if comparisons else ""
-    return (
-        f"The imitator hits {_mean(targets.mean)} of {run.n_targets} targets ({sure}){comparison}."
-    )
+def _hits(run: RunFigures, targets: Interval) -> str:
+    best = "" if run.best_targets is None else f", the best demonstration {run.best_targets}"
+    return f"The imitator hits {_mean(targets.mean)} of {run.n_targets} targets{best}."
 
 
-def _better(targets: Interval, clone: PolicySummary | None) -> str:
+def _interval(targets: Interval) -> str:
+    return f"95% interval is {targets.low:.1f} to {targets.high:.1f}, over {_games(targets.n)}"
+
+
+def _beside_clone(targets: Interval, clone: PolicySummary | None) -> str:
     if clone is None or clone.targets is None:
         return ""
+    hits = f"The clone hits {_mean(clone.targets.mean)}"
     if targets.low > clone.targets.high:
-        return " It is clearly better than the clone."
+        return f"{hits}: the imitator is clearly better."
     if targets.high < clone.targets.low:
-        return " It is clearly worse than the clone."
-    return " The games do not tell it apart from the clone."
+        return f"{hits}: the imitator is clearly worse."
+    return f"{hits}: the games do not tell them apart."
 
 
 def _lost(death_rate: Interval) -> str:
@@ -247,7 +258,7 @@ def _mistakes(imitator: PolicySummary) -> str:
         mistakes.append(f"other aliens ({_mean(strays)} a game)")
     if order_errors >= _SHOWN_MISTAKES:
         mistakes.append(f"targets out of order ({_mean(order_errors)} a game)")
-    return f" It also hits {' and '.join(mistakes)}." if mistakes else ""
+    return f"It also hits {' and '.join(mistakes)}." if mistakes else ""
 
 
 def _mean_of(figure: Interval | None) -> float:

@@ -207,7 +207,7 @@ def _of_seen(words: Vocabulary, group: Group, weights: Array, game: Game) -> str
     if group.source == "pieces":
         pieces = pieces_name(words, game)
         if group.aspect != "gone":
-            return f"more {pieces} cleared {_range(group, weights, group.aspect[-1])}"
+            return f"more {pieces} cleared {_part_of_screen(words, group, weights)}"
         fact = _telling_fact(words, group, weights)
         if fact == 0:
             return f"{'more' if weights[fact] > 0 else 'fewer'} {pieces} cleared"
@@ -350,7 +350,7 @@ def _clause(words: Vocabulary, sign: Sign, game: Game) -> str:
         if group.aspect == "gone":
             return f"{pieces} are {('cleared', 'being cleared')[fact]}"
         weights = np.eye(group.n_facts)[fact]
-        return f"{pieces} are cleared {_span(*_bounds(group, weights), group.aspect[-1])}"
+        return f"{pieces} are cleared {_part_of_screen(words, group, weights)}"
     name = kind_name(words, group.subject[-1], game)
     if group.aspect == "count":
         return f"{name} is there" if fact == 0 else f"there are more of {name}"
@@ -393,6 +393,31 @@ def _bounds(group: Group, weights: Array) -> tuple[float | None, float | None]:
     low = group.edges[first - 1] if first else None
     high = group.edges[last] if last < len(group.edges) else None
     return low, high
+
+
+def _part_of_screen(words: Vocabulary, group: Group, weights: Array) -> str:
+    """Return where pieces are cleared: "on the left (within 60 px of the edge)"."""
+    axis = group.aspect[-1]
+    near, far = {"x": ("left", "right"), "y": ("top", "bottom")}[axis]
+    direction = _direction(weights)
+    if direction:
+        return f"towards the {far if direction > 0 else near}"
+    low, high = _bounds(group, weights)
+    height, width = words.scene.beginning.shape
+    length = width if axis == "x" else height
+    on = "on" if axis == "x" else "at"
+    if low is not None and high is not None:
+        is_middle = abs(low + high - length) <= length / 3
+        extent = f"{low:.0f} to {high:.0f} px from the {near}"
+        return f"in the middle ({extent})" if is_middle else extent
+    if low is None and high is None:
+        return _span(low, high, axis)
+    side, other = (near, far) if low is None else (far, near)
+    covered_px = length - low if low is not None else high or 0.0
+    # What covers more than half is told by the edge that it leaves out.
+    if covered_px <= length / 2:
+        return f"{on} the {side} (within {covered_px:.0f} px of the edge)"
+    return f"anywhere but {on} the {other} (within {length - covered_px:.0f} px of the edge)"
 
 
 def _range(group: Group, weights: Array, aspect: str) -> str:

@@ -2334,8 +2334,7 @@ export interface components {
             pair_accuracy: number;
             passed: boolean;
             returns: components["schemas"]["RankedReturn"][];
-            /** @default [] */
-            statements: components["schemas"]["ToldStatement"][];
+            statements: components["schemas"]["UnderstoodStatement"][];
             tau: number;
             wanted: components["schemas"]["WantedAliens"] | null;
             /** @default  */
@@ -2889,32 +2888,6 @@ export interface components {
             picture_url: string;
             title: string;
         };
-        /**
-         * @description What an order is about, in words.
-         *
-         *     Attributes:
-         *         sentence: E.g. "what you steer further to the left".
-         *         probability: Probability of the statement, 0 to 1.
-         *         subjects: What it is about, in order, see tril.vocabulary.answers; empty in runs that
-         *             earlier versions made.
-         *         shown: A moment of a better game in which it holds most; None where nothing differs.
-         *         contrast: A moment of a worse game in which it holds least.
-         *         kinds: Kinds of things that it is about, by their indices in the game's vocabulary as it was
-         *             then; empty in runs of earlier versions.
-         *         detail: Bytes of memory that it was read from, for experts; empty if from none.
-         */
-        ToldStatement: {
-            contrast: components["schemas"]["ShownMoment"] | null;
-            /** @default  */
-            detail: string;
-            /** @default [] */
-            kinds: number[];
-            probability: number;
-            sentence: string;
-            shown: components["schemas"]["ShownMoment"] | null;
-            /** @default [] */
-            subjects: string[];
-        };
         /** @description Greedy games from training starts that an imitator played after so many training steps. */
         TrainingGames: {
             games: components["schemas"]["Recording"][];
@@ -2964,9 +2937,14 @@ export interface components {
             /** @default 24 */
             count: number;
         };
-        /** @description What came of a training, in words, and where to take the next step, if it is on a page. */
+        /**
+         * @description What came of a training, in words, and where to take the next step, if it is on a page.
+         *
+         *     ``details`` are the figures behind the sentence; empty if there are none.
+         */
         Verdict: {
             advice: string;
+            details: string;
             next_step: ("rank" | "teach" | "train" | "games") | null;
             sentence: string;
             /** @enum {string} */

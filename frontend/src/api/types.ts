@@ -93,7 +93,6 @@ export type NamedThing = Schemas["NamedThing"];
 export type NamedThings = Schemas["NamedThings"];
 export type ThingInSight = Schemas["ThingInSight"];
 export type ShownMoment = Schemas["ShownMoment"];
-export type ToldStatement = Schemas["ToldStatement"];
 export type Understanding = Schemas["Understanding"];
 export type UnderstoodStatement = Schemas["UnderstoodStatement"];
 export type RunResults = Schemas["RunResults"];

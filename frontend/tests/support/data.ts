@@ -8,7 +8,7 @@ import type {
   Run,
   RunResults,
   System,
-  ToldStatement,
+  UnderstoodStatement,
 } from "@/api/types";
 
 export function behaviour(change: Partial<Behaviour> = {}): Behaviour {
@@ -224,8 +224,8 @@ export function system(workerAlive: boolean): System {
 export function statement(
   sentence: string,
   probability: number,
-  change: Partial<ToldStatement> = {},
-): ToldStatement {
+  change: Partial<UnderstoodStatement> = {},
+): UnderstoodStatement {
   return {
     sentence,
     probability,
@@ -234,6 +234,7 @@ export function statement(
     detail: "",
     shown: null,
     contrast: null,
+    pictures: [],
     ...change,
   };
 }

@@ -10,6 +10,7 @@ from pydantic import Field, StrictBool
 
 from server.api.schemas.base import Id, Schema
 from server.api.schemas.measures import MeasureRow
+from server.api.schemas.rankings import UnderstoodStatement
 from server.api.schemas.recordings import Recording
 from tril.analysis.blind import BlindResult
 from tril.analysis.extrapolation import JudgedGame, Measure, PlayerKind
@@ -161,6 +162,7 @@ class RankedReturn(Schema):
 class RankingCheck(CheckVerdict):
     """How well the reward model agrees with the ranking, with the recordings concerned."""
 
+    statements: list[UnderstoodStatement]
     confused: list[ConfusedTiers]
     returns: list[RankedReturn]
 
@@ -233,10 +235,14 @@ class RewardAlarm(Schema):
 
 
 class Verdict(Schema):
-    """What came of a training, in words, and where to take the next step, if it is on a page."""
+    """What came of a training, in words, and where to take the next step, if it is on a page.
+
+    ``details`` are the figures behind the sentence; empty if there are none.
+    """
 
     tone: Tone
     sentence: str
+    details: str
     advice: str
     next_step: NextStep | None
 

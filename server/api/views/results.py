@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from sqlalchemy.orm import Session
 
 from server.api.schemas.measures import Measure, MeasureMean, MeasureRow
+from server.api.schemas.rankings import UnderstoodStatement
 from server.api.schemas.recordings import Recording
 from server.api.schemas.runs import (
     Artifact,
@@ -24,8 +25,10 @@ from server.api.schemas.runs import (
     TrainingGames,
     Verdict,
 )
+from server.api.things import statement_pictures
 from server.api.views.recordings import RecordingViews
 from server.api.views.runs import run_view
+from server.vocabularies import VocabularyMaker
 from tril.analysis.outcome import (
     AttentionState,
     CheckOutcome,
@@ -34,6 +37,7 @@ from tril.analysis.outcome import (
     RewardState,
 )
 from tril.analysis.summary import winner
+from tril.games import game_of
 from tril.games.measuring import Measured, mean_of, measured_before
 from tril.recipes import recipe_from_dict
 from tril.store import behaviours, recordings
@@ -59,7 +63,9 @@ def artifact_view(row: ArtifactRow) -> Artifact:
     return Artifact.of(row, url=f"/api/artifacts/{row.id}")
 
 
-def run_results(session: Session, who: Identity, run: RunRow) -> RunResults:
+def run_results(
+    session: Session, who: Identity, run: RunRow, vocabularies: VocabularyMaker
+) -> RunResults:
     """Show the results of a training so far."""
     views = RecordingViews(session, who, run.behaviour_id)
     games = evaluations.listing(session, run.id)
@@ -78,7 +84,7 @@ def run_results(session: Session, who: Identity, run: RunRow) -> RunResults:
     return RunResults(
         run=run_view(session, run),
         verdict=None if said is None else Verdict.model_validate(said),
-        check=_check(run.outcome.check, tiers, shown),
+        check=_check(session, run, shown, vocabularies),
         comparison=_comparison(headline_starts, games, views),
         further_comparison=_comparison(further, games, views),
         games=[_game(row, views) for row in games],
@@ -103,13 +109,16 @@ def _training_games(session: Session, run_id: str, views: RecordingViews) -> Tra
 
 
 def _check(
-    check: CheckOutcome | None, tiers: list[list[int]], shown: dict[int, Recording]
+    session: Session, run: RunRow, shown: dict[int, Recording], vocabularies: VocabularyMaker
 ) -> RankingCheck | None:
+    check = run.outcome.check
     if check is None:
         return None
     returns = check.predicted_returns
+    tiers = run.snapshot.tiers if run.snapshot else []
     return RankingCheck(
-        **check.model_dump(include=set(CheckVerdict.model_fields)),
+        **check.model_dump(include=CheckVerdict.model_fields.keys() - {"statements"}),
+        statements=_statements(session, run, check, vocabularies),
         confused=[
             ConfusedTiers.of(
                 pair,
@@ -132,6 +141,17 @@ def _check(
             if key in shown and key in returns
         ],
     )
+
+
+def _statements(
+    session: Session, run: RunRow, check: CheckOutcome, vocabularies: VocabularyMaker
+) -> list[UnderstoodStatement]:
+    game = game_of(behaviours.as_behaviour(session.get_one(BehaviourRow, run.behaviour_id)))
+    pictures = statement_pictures(vocabularies, run.behaviour_id, game, check.statements)
+    return [
+        UnderstoodStatement(**statement.model_dump(), pictures=urls)
+        for statement, urls in zip(check.statements, pictures, strict=True)
+    ]
 
 
 def _game(row: EvaluationRow, views: RecordingViews) -> EvaluationGame:

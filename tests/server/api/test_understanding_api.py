@@ -13,13 +13,16 @@ from starlette.testclient import TestClient
 from server.vocabularies import VocabularyMaker
 from server.vocabularies.maker import Making
 from tests.server.clients import build_frontend, signed_in
+from testsupport.finished_runs import make_finished_run
 from testsupport.vocabularies import make_small_vocabulary
 from testsupport.waiting import wait_until
 from testsupport.workplace import Workplace, make_workplace
+from tril.analysis.outcome import ToldStatement
 from tril.demonstrators import play_randomly
 from tril.games.space_invaders import SPACE_INVADERS
 from tril.store import recordings
 from tril.store.models import AuditRow, Source
+from tril.store.training import runs
 
 RANKING = "/api/behaviours/1/ranking"
 N_GAMES = 6
@@ -115,6 +118,44 @@ def test_things_have_pictures(learned: Learned) -> None:
         assert picture.content.startswith(b"\x89PNG")
         assert ("immutable" in picture.headers["Cache-Control"]) is (url != kind)
     assert client.get(f"{RANKING}/things/250.png").status_code == 404
+
+
+def test_a_runs_statements_have_the_pictures_of_the_rank_page(learned: Learned) -> None:
+    client, workplace = learned.client, learned.workplace
+    told = understood(client, learned.games)["statements"]
+    assert any(one["pictures"] for one in told)
+    run_id = make_finished_run(workplace)
+    with workplace.database.writing() as session:
+        run = runs.get(session, run_id)
+        assert run.outcome.check is not None
+        statements = [ToldStatement.model_validate(one) for one in told]
+        # A run of an earlier version, which does not say what its statements are about.
+        statements.append(ToldStatement(sentence="FIRE held less", probability=0.1))
+        check = run.outcome.check.model_copy(update={"statements": statements})
+        run.outcome = run.outcome.model_copy(update={"check": check})
+    shown = client.get(f"/api/runs/{run_id}/results").json()["check"]["statements"]
+    assert [one["pictures"] for one in shown] == [*(one["pictures"] for one in told), []]
+
+
+def test_a_runs_statements_have_no_pictures_before_there_are_any(
+    workplace: Workplace, client: TestClient
+) -> None:
+    run_id = make_finished_run(workplace)
+    told = ToldStatement(sentence="x", probability=0.9, subjects=["thing 12:7-8x10-10 x"])
+    with workplace.database.writing() as session:
+        run = runs.get(session, run_id)
+        assert run.outcome.check is not None
+        check = run.outcome.check.model_copy(update={"statements": [told]})
+        run.outcome = run.outcome.model_copy(update={"check": check})
+    (shown,) = client.get(f"/api/runs/{run_id}/results").json()["check"]["statements"]
+    assert shown["pictures"] == []
+    assert not (workplace.settings.data / "vocabularies").exists(), "none is made for a look"
+
+
+def test_a_statement_about_pieces_can_be_answered(learned: Learned) -> None:
+    statement = {"subjects": ["pieces gone x"], "sentence": "more shields cleared on the left"}
+    assert len(answer(learned.client, statement, meant=True)) == 1
+    assert answer(learned.client, statement, meant=None) == []
 
 
 def test_a_statement_has_moments_of_a_better_and_a_worse_game(learned: Learned) -> None:

@@ -57,9 +57,11 @@ DONE = RunFigures(
 def test_a_run_that_went_well_is_praised_with_its_figures() -> None:
     said = verdict(DONE)
     assert (said.tone, said.next_step) == ("good", "games")
-    assert said.sentence.startswith("The imitator hits 5.8 of 6 targets (95% interval 5.5 to 5.9,")
-    assert "20 games); the clone hits 1.5, the best demonstration 6." in said.sentence
-    assert said.sentence.endswith("It is clearly better than the clone. It loses no game.")
+    assert said.sentence == "The imitator hits 5.8 of 6 targets, the best demonstration 6."
+    assert said.details == (
+        "The 95% interval is 5.5 to 5.9, over 20 games."
+        " The clone hits 1.5: the imitator is clearly better. It loses no game."
+    )
     assert said.advice.startswith("It plays about as well as the best demonstration.")
 
 
@@ -73,7 +75,7 @@ def test_one_that_is_no_better_than_the_clone_needs_another_ranking() -> None:
     same = games([3, 4], lost=0.3)
     said = verdict(replace(DONE, headline=headline(same, same)))
     assert (said.tone, said.next_step) == ("bad", "rank")
-    assert "do not tell it apart from the clone" in said.sentence
+    assert "The clone hits 3.5: the games do not tell them apart." in said.details
     assert "Check the order" in said.advice
 
 
@@ -88,7 +90,7 @@ def test_one_that_loses_most_games_is_to_see_them_ranked() -> None:
     lost = headline(games([5, 6], lost=0.6), games([1, 2]))
     said = verdict(replace(DONE, headline=lost))
     assert (said.tone, said.next_step) == ("bad", "teach")
-    assert said.sentence.endswith("It loses most of its games (60%).")
+    assert said.details.endswith("It loses most of its games (60%).")
     assert "games that it loses" in said.advice
 
 
@@ -108,7 +110,7 @@ def test_one_that_also_hits_what_it_should_not_is_not_praised(
 ) -> None:
     said = verdict(replace(DONE, headline=headline(games([6], **mistakes), games([1]))))
     assert (said.tone, said.next_step) == ("fair", "teach")
-    assert f"It also hits {what}." in said.sentence
+    assert f"It also hits {what}." in said.details
     assert said.advice.startswith("Teach it more: rank games in which it hits")
 
 
@@ -136,7 +138,7 @@ def test_one_within_the_critics_warm_up_is_too_short(steps: int, is_short: bool)
         ("stopped", "bad", "rank", "The check stopped this run"),
         ("failed", "bad", None, "failed before its imitator had played"),
         ("cancelled", "none", None, "cancelled before its imitator had played"),
-        ("done", "none", "games", "a start that its training had not seen"),
+        ("done", "none", "games", "Nothing tells how well"),
     ],
 )
 def test_one_without_games_says_how_it_ended(
@@ -167,4 +169,4 @@ def test_without_target_cells_nothing_is_counted() -> None:
 
 def test_one_game_is_counted_in_the_singular() -> None:
     said = verdict(replace(DONE, headline=headline(games([3], n=1), None)))
-    assert "3.0 to 3.0, 1 game); the best demonstration 6." in said.sentence
+    assert "3.0 to 3.0, over 1 game. It" in said.details

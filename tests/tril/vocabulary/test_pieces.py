@@ -17,7 +17,7 @@ from tril.demonstrators.random_play import play_randomly
 from tril.games import game_named
 from tril.vocabulary.answers import kinds_about, subject_of
 from tril.vocabulary.facts import Vocabulary
-from tril.vocabulary.groups import Aspect
+from tril.vocabulary.groups import Aspect, Group
 from tril.vocabulary.pictures import SIZE_PX, pictures_of
 from tril.vocabulary.pieces import PIECES, Areas, find_pieces, gone_pieces
 from tril.vocabulary.pointing import meanings_of
@@ -110,8 +110,9 @@ def test_an_order_by_where_dots_are_cleared_is_told(words: Vocabulary, side: str
     told = tell(words, understood.posterior, game_named("pong"))[0]
     assert told.sentence.startswith("more ")
     assert " cleared " in told.sentence
-    ways = {"left": ("less than", "to the left"), "right": ("more than", "to the right")}
-    assert any(way in told.sentence for way in ways[side])
+    other = {"left": "right", "right": "left"}[side]
+    ways = (f"on the {side}", f"towards the {side}", f"anywhere but on the {other}")
+    assert any(f" cleared {way}" in told.sentence for way in ways)
     assert told.kinds == (PIECES,)
 
 
@@ -131,7 +132,7 @@ def test_pieces_are_told_in_every_way(words: Vocabulary) -> None:
     name = kind_name(words, PIECES, pong)
     aspects: dict[Aspect, tuple[list[float], str]] = {
         "gone": ([1, 0], f"more {name} cleared"),
-        "gone x": ([1, 0, 0, 0, 0, 0], f"more {name} cleared less than "),
+        "gone x": ([1, 0, 0, 0, 0, 0], f"more {name} cleared on the left (within "),
     }
     for aspect, (weights, text) in aspects.items():
         group = next(g for g in words.groups if (g.source, g.aspect) == ("pieces", aspect))
@@ -142,6 +143,36 @@ def test_pieces_are_told_in_every_way(words: Vocabulary) -> None:
         f"more or fewer {name} cleared",
         f"{name} cleared further to the left or right",
     ]
+
+
+@pytest.mark.parametrize(
+    ("aspect", "edges", "weights", "where"),
+    [
+        ("gone x", (60.0, 120.0), [1, 0, 0], "on the left (within 60 px of the edge)"),
+        ("gone x", (60.0, 120.0), [0, 0, 1], "on the right (within 40 px of the edge)"),
+        (
+            "gone x",
+            (60.0, 120.0),
+            [1, 1, 0],
+            "anywhere but on the right (within 40 px of the edge)",
+        ),
+        ("gone x", (60.0, 120.0), [0, 1, 1], "anywhere but on the left (within 60 px of the edge)"),
+        ("gone x", (60.0, 120.0), [0, 1, 0], "in the middle (60 to 120 px from the left)"),
+        ("gone x", (10.0, 40.0), [0, 1, 0], "10 to 40 px from the left"),
+        ("gone x", (60.0, 120.0), [0, 1, 2], "towards the right"),
+        ("gone y", (60.0, 120.0), [1, 0, 0], "at the top (within 60 px of the edge)"),
+        ("gone y", (60.0, 120.0), [0, 0, 1], "at the bottom (within 90 px of the edge)"),
+        ("gone y", (60.0, 120.0), [0, 1, 0], "in the middle (60 to 120 px from the top)"),
+        ("gone y", (60.0, 120.0), [2, 1, 0], "towards the top"),
+    ],
+)
+def test_a_part_of_the_screen_is_told_by_its_side(
+    words: Vocabulary, aspect: Aspect, edges: tuple[float, ...], weights: list[float], where: str
+) -> None:
+    pong = game_named("pong")
+    group = Group("pieces", (), aspect, edges)
+    told = phrase(words, group, np.array(weights, np.float64), pong)
+    assert told.text == f"more {kind_name(words, PIECES, pong)} cleared {where}"
 
 
 def test_pieces_have_the_name_that_the_game_gives_them(words: Vocabulary) -> None:

@@ -94,8 +94,8 @@ export function RecordingPlayer(props: RecordingPlayerProps) {
         )}
       </div>
       <Scrubber playback={playback} last={frames.last} hits={hits} />
-      {reward && <RewardCurve reward={reward} playback={playback} last={frames.last} hits={hits} />}
       <Controls playback={playback} last={frames.last} />
+      {reward && <RewardCurve reward={reward} playback={playback} last={frames.last} hits={hits} />}
       {reward && <AttentionPanel attention={attention} opacity={opacity} onOpacity={setOpacity} />}
       {children?.(playback)}
     </div>

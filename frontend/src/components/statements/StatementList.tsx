@@ -2,7 +2,7 @@ import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 import { useId, useState } from "react";
 
-import type { StatementAnswer, ToldStatement } from "@/api/types";
+import type { StatementAnswer, UnderstoodStatement } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Icon } from "@/components/controls/Icon";
 import { ShareBar } from "@/components/ShareBar";
@@ -14,12 +14,10 @@ import styles from "./StatementList.module.css";
 import { isAbout, type Said } from "./statements";
 import type { Answering } from "./use-answering";
 
-type ListedStatement = ToldStatement & { readonly pictures?: readonly string[] };
-
 interface StatementListProps {
   behaviourId: number;
   /** The most probable first. */
-  statements: readonly ListedStatement[];
+  statements: readonly UnderstoodStatement[];
   answers: readonly StatementAnswer[];
   /** Null where nothing can be answered. */
   answering: Answering | null;
@@ -52,20 +50,22 @@ export function StatementList(props: StatementListProps) {
 
 interface RowProps {
   behaviourId: number;
-  statement: ListedStatement;
+  statement: UnderstoodStatement;
   said: StatementAnswer | undefined;
   answering: Answering | null;
   onGone: (() => void) | undefined;
 }
 
 function Row({ behaviourId, statement, said, answering, onGone }: RowProps) {
-  const { sentence, detail, probability, shown, contrast, pictures = [] } = statement;
+  const { sentence, detail, probability, shown, contrast, pictures } = statement;
   const [open, setOpen] = useState(false);
   const momentsId = useId();
-  const isPlain = answering === null && !shown && pictures.length === 0;
+  const hasMoments = shown !== null && contrast !== null;
+  // Of what has no picture, or none yet, the sentence begins where the picture would.
+  const isPlain = !hasMoments && pictures.length === 0;
   return (
     <li className={classes(answering !== null && styles.answerable, isPlain && styles.plain)}>
-      {shown && contrast ? (
+      {hasMoments ? (
         <button
           type="button"
           className={styles.tile}

@@ -1,4 +1,4 @@
-import type { StatementAnswer, ToldStatement } from "@/api/types";
+import type { StatementAnswer, UnderstoodStatement } from "@/api/types";
 
 /** What names a statement when it is answered. */
 export type Said = Pick<StatementAnswer, "subjects" | "sentence">;
@@ -12,7 +12,7 @@ export function isAbout(answer: StatementAnswer, { subjects }: Pick<Said, "subje
 }
 
 /** Returns the statements that are worth a person's attention. */
-export function shownOf<T extends ToldStatement>(statements: readonly T[]): readonly T[] {
+export function shownOf<T extends UnderstoodStatement>(statements: readonly T[]): readonly T[] {
   return statements.filter(
     ({ probability }, place) => place < LEAST_SHOWN || probability >= SHOWN_FROM,
   );

@@ -22,7 +22,7 @@ import { DraggedCard } from "@/features/ranking/board/ShownCard";
 import type { Move } from "@/features/ranking/board/RankCard";
 import { useKeptFocus } from "@/features/ranking/board/use-kept-focus";
 import { canCompare, CompareDialog } from "@/features/ranking/comparing/CompareDialog";
-import { Opinion } from "@/features/ranking/opinion/Opinion";
+import { AwaitedOpinion, Opinion } from "@/features/ranking/opinion/Opinion";
 import { OpinionBar } from "@/features/ranking/opinion/OpinionBar";
 import { useOpinions } from "@/features/ranking/opinion/use-opinions";
 import { judge, openPairs } from "@/features/ranking/order/branch-pairs";
@@ -137,28 +137,28 @@ export function RankingDesk({ behaviour, ranking, recordings, isWhole }: Ranking
     },
     [setPerfect, mark],
   );
-  const { of: opinionOf, current: isCurrent } = opinions;
+  const { of: opinionOf, current: isCurrent, awaited } = opinions;
   const renderOpinion = useCallback(
     (id: number) => {
       const opinion = opinionOf.get(id);
       const at = tierOf(tiers, id);
+      const tier = at < 0 ? null : at + 1;
+      if (!opinion) return awaited && <AwaitedOpinion tier={tier} />;
       return (
-        opinion && (
-          <Opinion
-            opinion={opinion}
-            tier={at < 0 ? null : at + 1}
-            kept={kept.has(id)}
-            current={isCurrent}
-            onMove={(tier) => {
-              keepFocus(id);
-              show(id, place(tiers, id, { kind: "tier", tier: tier - 1 }));
-            }}
-            onKeep={() => setKept((before) => new Set([...before, id]))}
-          />
-        )
+        <Opinion
+          opinion={opinion}
+          tier={tier}
+          kept={kept.has(id)}
+          current={isCurrent}
+          onMove={(to) => {
+            keepFocus(id);
+            show(id, place(tiers, id, { kind: "tier", tier: to - 1 }));
+          }}
+          onKeep={() => setKept((before) => new Set([...before, id]))}
+        />
       );
     },
-    [opinionOf, isCurrent, tiers, kept, keepFocus, show],
+    [opinionOf, awaited, isCurrent, tiers, kept, keepFocus, show],
   );
 
   function putSelected(to: string) {

@@ -38,7 +38,7 @@ import { NotesDialog } from "./NotesDialog";
 import styles from "./RecordingPage.module.css";
 
 /** The window's height without the rest of the page. */
-const screenHeight = (windowHeight: number) => Math.max(windowHeight - 420, 210);
+const screenHeight = (windowHeight: number) => Math.max(windowHeight - 370, 210);
 
 /** A recording frame by frame: its actions, hits, memory and origin. */
 export function RecordingPage({

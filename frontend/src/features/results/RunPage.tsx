@@ -15,7 +15,7 @@ import { Comparison } from "@/features/results/games/Comparison";
 import { PolicyResults } from "@/features/results/games/PolicyResults";
 import { TeachMore } from "@/features/results/games/TeachMore";
 import { RunHead } from "@/features/results/head/RunHead";
-import { ResultView } from "@/features/results/result/ResultView";
+import { hasVerdictOverGames, ResultView } from "@/features/results/result/ResultView";
 import { Extrapolation } from "@/features/results/reward/Extrapolation";
 import { RewardCheck } from "@/features/results/reward/RewardCheck";
 import { Alarms } from "@/features/results/run/Alarms";
@@ -42,13 +42,8 @@ export function RunPage({ run, behaviour }: { run: Run; behaviour: Behaviour }) 
     <div className={styles.stack}>
       <PageTitle>{t`${runName(run)} · ${behaviour.name} · Tril`}</PageTitle>
       <RunHead run={run} behaviour={behaviour} />
-      {results?.verdict && (
-        <VerdictView
-          verdict={results.verdict}
-          run={run}
-          behaviour={behaviour}
-          canTeach={results.proposed.length > 0 || results.training_games !== null}
-        />
+      {results?.verdict && !hasVerdictOverGames(run, results) && (
+        <VerdictView verdict={results.verdict} run={run} results={results} behaviour={behaviour} />
       )}
       {isDone ? result : null}
       <RunNotices run={run} />

@@ -112,7 +112,15 @@ describe("every page", () => {
       "GET /api/runs/r1/results": () =>
         results(
           { ...one, status: "done" },
-          { verdict: { tone: "good", sentence: "It plays well.", advice: "", next_step: null } },
+          {
+            verdict: {
+              tone: "good",
+              sentence: "It plays well.",
+              details: "",
+              advice: "",
+              next_step: null,
+            },
+          },
         ),
     });
     const { client, router } = openWith("/");

@@ -14,13 +14,14 @@ const STATEMENT = {
   kinds: [0],
   shown: null,
   contrast: null,
+  pictures: [] as string[],
 };
 
-function open(said: readonly StatementAnswer[]) {
+function open(said: readonly StatementAnswer[], pictures: string[] = []) {
   show(
     <StatementList
       behaviourId={1}
-      statements={[STATEMENT]}
+      statements={[{ ...STATEMENT, pictures }]}
       answers={said}
       answering={{ say: vi.fn(), isAnswering: false, spoken: "" }}
     />,
@@ -33,6 +34,17 @@ function saying(meant: boolean): StatementAnswer {
 }
 
 describe("statements", () => {
+  it("begin with the picture of what they are about", () => {
+    open([], ["/thing.png"]);
+    const [first] = screen.getByRole("listitem").children;
+    expect(first?.querySelector("img")).toHaveAttribute("src", "/thing.png");
+  });
+
+  it("leave no hole where there is no picture yet", () => {
+    open([]);
+    expect(screen.getByRole("listitem").firstElementChild).toHaveTextContent(STATEMENT.sentence);
+  });
+
   it("begin with what a person recognises and leave the byte to a second line", () => {
     open([]);
     expect(screen.getByText(STATEMENT.sentence, { exact: false })).toBeVisible();

@@ -142,7 +142,43 @@ describe("the games of a result", () => {
   });
 });
 
+describe("the verdict on a result", () => {
+  const verdict = {
+    tone: "good",
+    sentence: "The imitator hits 6 of 6 targets.",
+    details: "It loses no game.",
+    advice: "Watch some of its games.",
+    next_step: "games",
+  } as const;
+
+  it("is one sentence over the games; figures and what to do next follow them", async () => {
+    open({ verdict });
+    const games = await screen.findByRole("group", { name: "Games in step" });
+    const said = screen.getByRole("region", { name: "Verdict" });
+    expect(said).toHaveTextContent(/^The imitator hits 6 of 6 targets\.$/);
+    const next = screen.getByRole("region", { name: "What to do next" });
+    expect(next).toHaveTextContent("It loses no game.Watch some of its games.");
+    const { DOCUMENT_POSITION_FOLLOWING: follows } = Node;
+    expect(said.compareDocumentPosition(games) & follows).toBeTruthy();
+    expect(games.compareDocumentPosition(next) & follows).toBeTruthy();
+  });
+
+  it("is left to the page where there are no games to stand over", () => {
+    open({ verdict, games: [] });
+    expect(screen.queryByRole("region", { name: "Verdict" })).toBeNull();
+  });
+});
+
 describe("what a result says", () => {
+  it("has the picture of what was understood", async () => {
+    const pictured = statement("what you steer further to the left", 0.83, {
+      pictures: ["/thing.png"],
+    });
+    open({ check: { ...CHECK, statements: [pictured] } });
+    const told = await screen.findByRole("region", { name: /^What Tril understood/ });
+    expect(told.querySelector("img")).toHaveAttribute("src", "/thing.png");
+  });
+
   it("is what was understood, and asks whether it was meant", async () => {
     open({ check: CHECK });
     const told = within(await screen.findByRole("region", { name: /^What Tril understood/ }));

@@ -71,6 +71,7 @@ describe("a run that is over", () => {
     const verdict = {
       tone: "fair",
       sentence: "The imitator hits 4 of 6 targets.",
+      details: "It loses no game.",
       advice: "Train for longer.",
       next_step: "train",
     } as const;
@@ -141,7 +142,7 @@ describe("taking a run away", () => {
 
   it("is not offered before the run is done", async () => {
     open(run());
-    await screen.findByRole("figure", { name: "Targets hit per game" });
+    await screen.findByRole("figure", { name: "Hits per game" });
     expect(screen.queryByRole("region", { name: "Take it with you" })).toBeNull();
   });
 });
@@ -155,7 +156,7 @@ describe("a run that goes", () => {
       .getAllByRole("progressbar")
       .map((bar) => bar.getAttribute("aria-valuenow"));
     expect(stages).toEqual(["100", "100", "100", "100", "50", "0", "0"]);
-    expect(await screen.findByRole("figure", { name: "Targets hit per game" })).toBeVisible();
+    expect(await screen.findByRole("figure", { name: "Hits per game" })).toBeVisible();
   });
 
   it("shows no time left while it is being cancelled", () => {
@@ -253,6 +254,7 @@ describe("a run that ended early", () => {
     const verdict = {
       tone: "none" as const,
       sentence: "This run was cancelled before its imitator had played.",
+      details: "",
       advice: "Resume it: it goes on from its last checkpoint.",
       next_step: null,
     };
@@ -282,7 +284,7 @@ describe("a run that ended early", () => {
     const parent = "abcdef00-0000-4000-8000-000000000000";
     const one = run({ status: "done", steps: 500_000, training_seed: 3, parent_run_id: parent });
     open(one);
-    expect(screen.getByRole("link", { name: "Run again with changes" })).toHaveAttribute(
+    expect(screen.getByRole("link", { name: "Run again" })).toHaveAttribute(
       "href",
       `/behaviours/1/train?recipe=fast&steps=500000&seed=3&rate=0.0003&continue=${parent}`,
     );

@@ -1,6 +1,6 @@
 import { screen, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
-import { describe, expect, it } from "vitest";
+import { describe, expect, it, vi } from "vitest";
 
 import { RunsPage } from "@/features/results/RunsPage";
 
@@ -31,6 +31,20 @@ describe("the list of runs", () => {
     expect(screen.getByRole("row", { name: /Run bbbbbb/ })).toHaveTextContent(
       "Waitingnumber 2 in the queue",
     );
+  });
+
+  it("has the state under the name on a phone", async () => {
+    vi.stubGlobal("matchMedia", (query: string) =>
+      Object.assign(new EventTarget(), { media: query, matches: query === "(max-width: 34rem)" }),
+    );
+    open();
+    const named = await screen.findByRole("rowheader", { name: /Wide network/ });
+    expect(named).toHaveTextContent(/^Wide networkDone/);
+    expect(screen.getByRole("rowheader", { name: /Run bbbbbb/ })).toHaveTextContent(
+      "Waitingnumber 2 in the queue",
+    );
+    expect(screen.queryByRole("columnheader", { name: "State" })).toBeNull();
+    vi.unstubAllGlobals();
   });
 
   it("is searched and filtered, and the address keeps it", async () => {

@@ -4,6 +4,7 @@ import { Trans } from "@lingui/react/macro";
 import type { GameOpinion } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Icon } from "@/components/controls/Icon";
+import { classes } from "@/lib/classes";
 import { listed } from "@/lib/format";
 import { useRecordingName } from "@/features/ranking/recording-names";
 
@@ -37,9 +38,7 @@ export function Opinion({ opinion, tier, kept, current, onMove, onKeep }: Opinio
           />
           <i className={styles.tick} style={{ insetInlineStart: along(place) }} />
         </span>
-        {tier === null
-          ? t`Probably ${describeTiers(opinion)}`
-          : t`The others suggest ${describeTiers(opinion)}`}
+        {placeText(tier, opinion)}
       </p>
       {tier !== null && against.length > 0 && !kept && (
         <div role="group" aria-label={t`Contradiction at ${name}`} className={styles.contradiction}>
@@ -87,6 +86,18 @@ export function Opinion({ opinion, tier, kept, current, onMove, onKeep }: Opinio
   );
 }
 
+/** Keeps the room of an opinion that is being worked out, so that the cards below stay in place. */
+export function AwaitedOpinion({ tier }: { tier: number | null }) {
+  return (
+    <div className={classes(styles.opinion, styles.awaited)} aria-hidden="true">
+      <p className={styles.place}>
+        <span className={styles.scale} />
+        {placeText(tier, { tier: 1, best_tier: 1, worst_tier: 2 })}
+      </p>
+    </div>
+  );
+}
+
 /** Focuses the handle of a button's card: the button goes with the contradiction. */
 function focusHandle(button: HTMLElement): void {
   button.closest("article")?.querySelector("button")?.focus();
@@ -97,7 +108,16 @@ function along(share: number): string {
   return `${100 * share}%`;
 }
 
+type Placed = Pick<GameOpinion, "tier" | "best_tier" | "worst_tier">;
+
+/** Says where a game in a tier, or in none, belongs. */
+function placeText(tier: number | null, placed: Placed): string {
+  return tier === null
+    ? t`Probably ${describeTiers(placed)}`
+    : t`The others suggest ${describeTiers(placed)}`;
+}
+
 /** Describes a tier and the tiers that are possible. */
-function describeTiers({ tier, best_tier: best, worst_tier: worst }: GameOpinion): string {
+function describeTiers({ tier, best_tier: best, worst_tier: worst }: Placed): string {
   return best === worst ? t`tier ${tier}` : t`tier ${tier} (${best} to ${worst})`;
 }

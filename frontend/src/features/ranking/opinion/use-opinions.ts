@@ -6,6 +6,10 @@ import type { GameOpinion, RankingOpinion } from "@/api/types";
 import { sameOrder } from "@/features/ranking/order/order";
 import type { SaverState } from "@/features/ranking/order/saver";
 
+/** What it takes to have an opinion: see OpinionBar. */
+const LEAST_TIERS = 2;
+const LEAST_RANKED = 4;
+
 function opinionQuery(behaviourId: number, revision: number) {
   return queryOptions({
     queryKey: ["opinion", behaviourId, revision],
@@ -26,6 +30,8 @@ export interface Opinions {
   /** Whether they are of the order shown, so that their tiers are those on the board. */
   readonly current: boolean;
   readonly answer: RankingOpinion | undefined;
+  /** Whether they are being worked out for the first time, and there will be some. */
+  readonly awaited: boolean;
   readonly error: unknown;
 }
 
@@ -36,11 +42,13 @@ export function useOpinions(
   enabled: boolean,
 ): Opinions {
   const { data, error } = useQuery({ ...opinionQuery(behaviourId, saved.revision), enabled });
+  const isEnough = saved.tiers.length >= LEAST_TIERS && saved.tiers.flat().length >= LEAST_RANKED;
   const answer = enabled ? data : undefined;
   const of = useMemo(
     () => new Map(answer?.games.map((game) => [game.recording_id, game])),
     [answer],
   );
   const current = answer?.revision === saved.revision && sameOrder(saved.tiers, tiers);
-  return { of, current, answer, error };
+  const awaited = enabled && isEnough && !data && error === null;
+  return { of, current, answer, awaited, error };
 }

@@ -8,7 +8,6 @@ import { Loading, Notice } from "@/components/feedback/States";
 import { curvesCsv } from "@/features/results/curves/csv";
 import { chartHint, CurveGroupView } from "@/features/results/curves/CurveGroupView";
 import { useMetricsQueries } from "@/features/results/curves/metrics";
-import type { Series } from "@/features/results/curves/series";
 import { runName } from "@/lib/runs";
 import { saveFile } from "@/lib/browser/save-file";
 
@@ -25,10 +24,9 @@ export function ComparedCurves({ groups }: { groups: readonly SeedGroup[] }) {
     const seriesOf = new Map(runs.map(({ id }, index) => [id, queries[index]?.data?.series ?? {}]));
     return comparedGroups(
       groups.map(({ runs: same, colour, dashed }) => ({
-        name: lineName(same),
         colour,
         dashed,
-        series: same.map(({ id }): Series => seriesOf.get(id) ?? {}),
+        runs: same.map((run) => ({ name: runName(run), series: seriesOf.get(run.id) ?? {} })),
       })),
     );
     // `found` changes when any of the curves does.
@@ -61,6 +59,7 @@ export function ComparedCurves({ groups }: { groups: readonly SeedGroup[] }) {
           key={group.stage}
           level="h2"
           group={group}
+          isNamed
           syncKey={`compared-${group.stage}`}
         />
       ))}
@@ -81,10 +80,4 @@ export function ComparedCurves({ groups }: { groups: readonly SeedGroup[] }) {
       )}
     </>
   );
-}
-
-function lineName(runs: SeedGroup["runs"]): string {
-  const [first] = runs;
-  if (!first) return "";
-  return runs.length > 1 ? t`${runName(first)} and ${runs.length - 1} more` : runName(first);
 }

@@ -1,14 +1,20 @@
 /** Curves of several runs over each other. */
+import { t } from "@lingui/core/macro";
+
 import type { Curve } from "@/features/results/curves/chart-data";
 import { type CurveGroup, plan } from "@/features/results/curves/curve-groups";
 import type { Points, Series } from "@/features/results/curves/series";
 
 /** A line of every chart: a run, or runs that differ by their training seed only. */
 export interface ComparedLine {
-  readonly name: string;
   readonly colour: string;
   readonly dashed: boolean;
-  readonly series: readonly Series[];
+  readonly runs: readonly NamedSeries[];
+}
+
+interface NamedSeries {
+  readonly name: string;
+  readonly series: Series;
 }
 
 /** Returns the charts that have points, one for each curve of a run's charts. */
@@ -33,12 +39,16 @@ export function comparedGroups(lines: readonly ComparedLine[]): readonly CurveGr
 }
 
 function curveOf(line: ComparedLine, stage: string, key: string): Curve[] {
-  const { name, colour, dashed } = line;
-  const runs = line.series.map((one) => one[stage]?.[key] ?? []).filter(({ length }) => length > 0);
-  const [only] = runs;
-  if (!only) return [];
-  if (runs.length === 1) return [{ name, colour, dashed, points: only }];
-  return [{ name, colour, dashed, ...meanWithBand(runs) }];
+  const { colour, dashed } = line;
+  const runs = line.runs
+    .map(({ name, series }) => ({ name, points: series[stage]?.[key] ?? [] }))
+    .filter(({ points }) => points.length > 0);
+  const [first] = runs;
+  if (!first) return [];
+  const { name, points } = first;
+  if (runs.length === 1) return [{ name, colour, dashed, points }];
+  const all = t`${name} and ${runs.length - 1} more`;
+  return [{ name: all, colour, dashed, ...meanWithBand(runs.map((run) => run.points)) }];
 }
 
 /**

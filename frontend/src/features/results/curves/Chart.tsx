@@ -25,6 +25,8 @@ interface ChartProps {
   range?: readonly [number, number] | undefined;
   /** Formats the ticks of the x axis; as steps by default. */
   xLabels?: XLabels;
+  /** Whether a single line has its name at its end, too. */
+  isNamed?: boolean;
   zoom: Zoom;
   /** Charts with the same key share their cursor. */
   syncKey: string;
@@ -39,6 +41,7 @@ const FIRST_WIDTH_PX = 640;
  */
 export function Chart(props: ChartProps) {
   const { title, curves, format = measured, range, xLabels = stepLabels, zoom, syncKey } = props;
+  const { isNamed = false } = props;
   const titleId = useId();
   const holder = useRef<HTMLDivElement>(null);
   const plot = useRef<uPlot | null>(null);
@@ -156,7 +159,7 @@ export function Chart(props: ChartProps) {
           onKeyDown={press}
           onBlur={() => plot.current?.setCursor({ left: -10, top: -10 })}
         />
-        <EndLabels labels={labels} plot={plot} onWidth={widen} />
+        <EndLabels labels={labels} isNamed={isNamed} plot={plot} onWidth={widen} />
       </div>
     </figure>
   );

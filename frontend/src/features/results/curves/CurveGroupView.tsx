@@ -13,10 +13,13 @@ export const chartHint = () =>
 export function CurveGroupView({
   group,
   syncKey,
+  isNamed = false,
   level: Heading = "h3",
 }: {
   group: CurveGroup;
   syncKey: string;
+  /** Whether a single line has its name at its end, too. */
+  isNamed?: boolean;
   level?: "h2" | "h3";
 }) {
   const zoom = useZoom(group.charts);
@@ -35,6 +38,7 @@ export function CurveGroupView({
             format={chart.format}
             range={chart.range}
             xLabels={group.xLabels}
+            isNamed={isNamed}
             zoom={zoom}
             syncKey={syncKey}
           />

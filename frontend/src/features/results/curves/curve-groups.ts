@@ -61,7 +61,7 @@ export const plan = (): readonly GroupPlan[] => [
         format: measured,
       },
       {
-        title: t`Targets hit per game`,
+        title: t`Hits per game`,
         curves: [
           { key: "hits", name: t`targets` },
           { key: "strays", name: t`strays`, dashed: true },
@@ -105,7 +105,7 @@ export const plan = (): readonly GroupPlan[] => [
         format: (value) => whole(Math.round(value)),
       },
       {
-        title: t`Error of predicted rewards (value loss)`,
+        title: t`Critic’s error on the return (value loss)`,
         curves: [{ key: "value_loss", name: t`loss` }],
         format: measured,
       },

@@ -25,13 +25,15 @@ const GAP_PX = 6;
 
 interface EndLabelsProps {
   labels: readonly EndLabel[];
+  /** Whether a single line has its name, too: the chart's title does not say whose it is. */
+  isNamed: boolean;
   plot: RefObject<uPlot | null>;
   /** Called with the room that the labels take beside the lines, in pixels. */
   onWidth: (width: number) => void;
 }
 
-/** Names and values at the ends of a chart's lines, in their colours; a single line has no name. */
-export function EndLabels({ labels, plot, onWidth }: EndLabelsProps) {
+/** Names and values at the ends of a chart's lines, in their colours. */
+export function EndLabels({ labels, isNamed, plot, onWidth }: EndLabelsProps) {
   const list = useRef<HTMLUListElement>(null);
   useLayoutEffect(() => {
     const over = plot.current?.over;
@@ -51,12 +53,13 @@ export function EndLabels({ labels, plot, onWidth }: EndLabelsProps) {
     }
     onWidth(GAP_PX + Math.max(0, ...items.map((item) => item.offsetWidth)));
   });
-  const inRows = labels.length > 1 && labels.length <= MOST_IN_ROWS;
+  const hasNames = isNamed || labels.length > 1;
+  const inRows = hasNames && labels.length <= MOST_IN_ROWS;
   return (
     <ul ref={list} className={classes(styles.labels, inRows && styles.inRows)}>
       {labels.map(({ name, colour, dashed, value, bounds }) => (
         <li key={name} style={{ "--curve": colour } as CSSProperties}>
-          {labels.length > 1 && (
+          {hasNames && (
             <span className={styles.name} title={name}>
               <i className={classes(dashed && styles.dashed)} aria-hidden="true" />
               {name}

@@ -38,6 +38,7 @@ export function RunsFilterBar({ filter, recipes, hasTarget, onChange }: RunsFilt
     <Filters
       label={t`Filter the runs`}
       role="search"
+      folds
       onClear={isNarrow(filter) ? () => onChange({ ...ALL_RUNS, order: filter.order }) : undefined}
     >
       <Search

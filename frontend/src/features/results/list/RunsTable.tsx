@@ -10,10 +10,14 @@ import { Ago } from "@/features/results/Ago";
 import { IntervalPlot } from "@/features/results/games/IntervalPlot";
 import { MOST_COMPARED } from "@/features/results/compare/compared-runs";
 import { RunStatus } from "@/features/results/RunStatus";
+import { useMedia } from "@/lib/browser/use-media";
 import { bounds, duration, fixed, NONE, percent, shortCount } from "@/lib/format";
 import { isActive, queuePlace, runName, shortId, statusLine } from "@/lib/runs";
 
 import styles from "./RunsTable.module.css";
+
+/** A phone, where the state has no column: see RunsTable.module.css. */
+const NARROW = "(max-width: 34rem)";
 
 interface RunsTableProps {
   runs: readonly Run[];
@@ -26,6 +30,7 @@ interface RunsTableProps {
 /** Runs in a table of parameters and results. */
 export function RunsTable({ runs, behaviour, selected, onSelect }: RunsTableProps) {
   const of = behaviour.target?.length;
+  const narrow = useMedia(NARROW);
   const [shown, more] = useFirst(runs);
   return (
     // Scrolls horizontally on a phone; focusable so that the keyboard can scroll it.
@@ -42,9 +47,11 @@ export function RunsTable({ runs, behaviour, selected, onSelect }: RunsTableProp
             <th scope="col">
               <Trans>Run</Trans>
             </th>
-            <th scope="col">
-              <Trans>State</Trans>
-            </th>
+            {!narrow && (
+              <th scope="col">
+                <Trans>State</Trans>
+              </th>
+            )}
             {of !== undefined && (
               <>
                 <th scope="col">
@@ -96,6 +103,7 @@ export function RunsTable({ runs, behaviour, selected, onSelect }: RunsTableProp
               key={run.id}
               run={run}
               nTargets={of}
+              narrow={narrow}
               isSelected={selected.has(run.id)}
               isFull={selected.size >= MOST_COMPARED}
               onSelect={onSelect}
@@ -112,12 +120,14 @@ interface RunRowProps {
   run: Run;
   /** Number of targets of the behaviour, if it has any. */
   nTargets: number | undefined;
+  /** Whether the state stands below the name. */
+  narrow: boolean;
   isSelected: boolean;
   isFull: boolean;
   onSelect: RunsTableProps["onSelect"];
 }
 
-function RunRow({ run, nTargets, isSelected, isFull, onSelect }: RunRowProps) {
+function RunRow({ run, nTargets, narrow, isSelected, isFull, onSelect }: RunRowProps) {
   const imitator = run.headline?.imitator;
   const tau = run.headline?.tau ?? null;
   return (
@@ -137,6 +147,11 @@ function RunRow({ run, nTargets, isSelected, isFull, onSelect }: RunRowProps) {
         <Link to={`/runs/${run.id}`} title={runName(run)}>
           {runName(run)}
         </Link>
+        {narrow && (
+          <span className={styles.state}>
+            <State run={run} />
+          </span>
+        )}
         {run.name && <span className={styles.bounds}>{shortId(run.id)}</span>}
         {run.notes && (
           <span className={styles.notes} title={run.notes}>
@@ -156,14 +171,11 @@ function RunRow({ run, nTargets, isSelected, isFull, onSelect }: RunRowProps) {
           </span>
         )}
       </th>
-      <td>
-        <RunStatus run={run} />
-        {isActive(run) && (
-          <span className={styles.bounds}>
-            {run.queue_position === null ? statusLine(run) : queuePlace(run.queue_position)}
-          </span>
-        )}
-      </td>
+      {!narrow && (
+        <td>
+          <State run={run} />
+        </td>
+      )}
       {nTargets !== undefined && (
         <>
           <IntervalCell actor="imitator" interval={imitator?.targets} high={nTargets} />
@@ -184,6 +196,19 @@ function RunRow({ run, nTargets, isSelected, isFull, onSelect }: RunRowProps) {
         <Ago time={run.created_at} />
       </td>
     </tr>
+  );
+}
+
+function State({ run }: { run: Run }) {
+  return (
+    <>
+      <RunStatus run={run} />
+      {isActive(run) && (
+        <span className={styles.bounds}>
+          {run.queue_position === null ? statusLine(run) : queuePlace(run.queue_position)}
+        </span>
+      )}
+    </>
   );
 }
 

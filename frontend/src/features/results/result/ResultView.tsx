@@ -2,7 +2,9 @@ import { t } from "@lingui/core/macro";
 
 import type { Behaviour, Run, RunResults } from "@/api/types";
 import { BlindCard } from "@/features/results/blind/BlindCard";
+import { NextStep, VerdictDetails, VerdictSentence } from "@/features/results/run/VerdictView";
 import { WatchLinks } from "@/features/results/run/WatchLinks";
+import { classes } from "@/lib/classes";
 
 import { Figures } from "./Figures";
 import { GamesInStep } from "./GamesInStep";
@@ -16,10 +18,14 @@ interface ResultViewProps {
   behaviour: Behaviour;
 }
 
-/** A run in one look: what was understood, what the imitator plays beside the person, and figures. */
+/**
+ * A run in one look: the verdict in a sentence over what the imitator plays beside the person, then
+ * what was understood, and figures.
+ */
 export function ResultView({ run, results, behaviour }: ResultViewProps) {
   const games = shownGames(results);
   const { check } = results;
+  const verdict = hasVerdictOverGames(run, results) ? results.verdict : null;
   const understood = check && check.statements.length > 0 && <Statements run={run} check={check} />;
   if (!games)
     return (
@@ -29,8 +35,15 @@ export function ResultView({ run, results, behaviour }: ResultViewProps) {
       </>
     );
   return (
-    <section className={styles.result} aria-label={t`Result`}>
-      {understood && <div className={styles.understood}>{understood}</div>}
+    <section
+      className={classes(styles.result, verdict && styles.judged, verdict && styles[verdict.tone])}
+      aria-label={t`Result`}
+    >
+      {verdict && (
+        <section className={styles.verdict} aria-label={t`Verdict`}>
+          <VerdictSentence verdict={verdict} />
+        </section>
+      )}
       <div className={styles.games}>
         {/* Other games are another player. */}
         <GamesInStep
@@ -40,6 +53,13 @@ export function ResultView({ run, results, behaviour }: ResultViewProps) {
           {...games}
         />
       </div>
+      {verdict && (
+        <section className={styles.further} aria-label={t`What to do next`}>
+          <VerdictDetails verdict={verdict} />
+          <NextStep verdict={verdict} run={run} results={results} behaviour={behaviour} />
+        </section>
+      )}
+      {understood && <div className={styles.understood}>{understood}</div>}
       <div className={styles.figures}>
         <Figures results={results} behaviour={behaviour} />
         <BlindCard runId={run.id} />
@@ -47,4 +67,9 @@ export function ResultView({ run, results, behaviour }: ResultViewProps) {
       </div>
     </section>
   );
+}
+
+/** Whether the verdict stands over a finished run's games, with what else it says below them. */
+export function hasVerdictOverGames(run: Run, results: RunResults): boolean {
+  return run.status === "done" && results.verdict !== null && shownGames(results) !== null;
 }

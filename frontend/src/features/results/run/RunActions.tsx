@@ -5,9 +5,10 @@ import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { messageOf } from "@/api/client";
 import { cancelRun, resumeRun, runQuery } from "@/api/runs";
 import type { Behaviour, Run } from "@/api/types";
-import { Button, ButtonLink } from "@/components/controls/Button";
+import { Button, ButtonLink, IconButton } from "@/components/controls/Button";
 import { useToast } from "@/components/feedback/Toasts";
 import { useTakingAway } from "@/features/results/use-taking-away";
+import { useMedia } from "@/lib/browser/use-media";
 import { isActive } from "@/lib/runs";
 
 import { againPath } from "./again";
@@ -19,6 +20,8 @@ export function RunActions({ run, behaviour }: { run: Run; behaviour: Behaviour 
   const client = useQueryClient();
   const toast = useToast();
   const remove = useRunDeletion(run);
+  // On a phone they are one row.
+  const narrow = useMedia("(max-width: 34rem)");
   const act = useMutation({
     mutationFn: (action: (runId: string) => Promise<Run>) => action(run.id),
     onSuccess: (changed) => {
@@ -31,7 +34,7 @@ export function RunActions({ run, behaviour }: { run: Run; behaviour: Behaviour 
   const share = useTakingAway(run, behaviour, (error) => toast(messageOf(error)));
   const again = (
     <ButtonLink icon="redo" to={againPath(run)}>
-      <Trans>Run again with changes</Trans>
+      <Trans>Run again</Trans>
     </ButtonLink>
   );
   if (isActive(run)) {
@@ -67,9 +70,19 @@ export function RunActions({ run, behaviour }: { run: Run; behaviour: Behaviour 
         </Button>
       )}
       {again}
-      <Button icon="trash" disabled={remove.isPending} onClick={() => remove.mutate()}>
-        <Trans>Delete run</Trans>
-      </Button>
+      {narrow ? (
+        <IconButton
+          icon="trash"
+          kind="secondary"
+          label={t`Delete run`}
+          disabled={remove.isPending}
+          onClick={() => remove.mutate()}
+        />
+      ) : (
+        <Button icon="trash" disabled={remove.isPending} onClick={() => remove.mutate()}>
+          <Trans>Delete run</Trans>
+        </Button>
+      )}
     </div>
   );
 }

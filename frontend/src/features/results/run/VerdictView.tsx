@@ -1,6 +1,6 @@
 import { t } from "@lingui/core/macro";
 
-import type { Behaviour, Run, Verdict } from "@/api/types";
+import type { Behaviour, Run, RunResults, Verdict } from "@/api/types";
 import { ButtonLink } from "@/components/controls/Button";
 import { classes } from "@/lib/classes";
 
@@ -9,26 +9,48 @@ import styles from "./VerdictView.module.css";
 interface VerdictViewProps {
   verdict: Verdict;
   run: Run;
+  results: RunResults;
   behaviour: Behaviour;
-  /** Whether the page has games to rank. */
-  canTeach: boolean;
 }
 
 /** What came of a run, in plain words, and what to do next. */
-export function VerdictView({ verdict, run, behaviour, canTeach }: VerdictViewProps) {
+export function VerdictView(props: VerdictViewProps) {
+  return (
+    <section
+      className={classes(styles.verdict, styles[props.verdict.tone])}
+      aria-label={t`Verdict`}
+    >
+      <VerdictSentence verdict={props.verdict} />
+      <VerdictDetails verdict={props.verdict} />
+      <NextStep {...props} />
+    </section>
+  );
+}
+
+/** The result in one sentence. */
+export function VerdictSentence({ verdict: { sentence } }: { verdict: Verdict }) {
+  return <p className={styles.sentence}>{sentence}</p>;
+}
+
+/** The figures behind the sentence. */
+export function VerdictDetails({ verdict: { details } }: { verdict: Verdict }) {
+  return details && <p className={styles.details}>{details}</p>;
+}
+
+/** What to do next, and where. */
+export function NextStep({ verdict, run, results, behaviour }: VerdictViewProps) {
+  // Whether the page has games to rank.
+  const canTeach = results.proposed.length > 0 || results.training_games !== null;
   const next = nextOf(verdict.next_step, run, behaviour, canTeach);
   return (
-    <section className={classes(styles.verdict, styles[verdict.tone])} aria-label={t`Verdict`}>
-      <p className={styles.sentence}>{verdict.sentence}</p>
-      <p className={styles.advice}>
-        <span>{verdict.advice}</span>
-        {next && (
-          <ButtonLink kind="primary" to={next.to}>
-            {next.label}
-          </ButtonLink>
-        )}
-      </p>
-    </section>
+    <p className={styles.advice}>
+      <span>{verdict.advice}</span>
+      {next && (
+        <ButtonLink kind="primary" to={next.to}>
+          {next.label}
+        </ButtonLink>
+      )}
+    </p>
   );
 }
 

@@ -22,7 +22,7 @@ export function WatchLinks({ results: { run, artifacts } }: { results: RunResult
         </ButtonLink>
       ))}
       {trained.length > 1 && (
-        <ButtonLink kind="quiet" to={watchPath(run.id, trained)}>
+        <ButtonLink icon="compare" to={watchPath(run.id, trained)}>
           <Trans>Both side by side</Trans>
         </ButtonLink>
       )}

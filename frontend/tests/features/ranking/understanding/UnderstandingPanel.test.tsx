@@ -17,7 +17,7 @@ const LEFT = "what you steer further to the left";
 const FIRE = "FIRE held less";
 
 function statement(sentence: string, probability: number, subject: string) {
-  return { ...told(sentence, probability, { subjects: [subject] }), pictures: [] as string[] };
+  return told(sentence, probability, { subjects: [subject] });
 }
 
 const READY: Understanding = {

@@ -1,5 +1,5 @@
 import { screen, within } from "@testing-library/react";
-import { expect, it, vi } from "vitest";
+import { expect, it } from "vitest";
 
 import { ComparePage } from "@/features/results/compare/ComparePage";
 
@@ -7,17 +7,13 @@ import { behaviour, run } from "../../../support/data";
 import { show } from "../../../support/page";
 import { serve } from "../../../support/server";
 
-// Charts need a canvas, which jsdom lacks; the browser tests cover them.
-vi.mock("@/features/results/curves/Chart", () => ({
-  Chart: ({ title }: { title: string }) => <figure aria-label={title} />,
-}));
-
 it("runs are compared as far as they can be loaded", async () => {
   const runs = [run({ id: "a", name: "Wide" }), run({ id: "b", steps: 500_000 })];
-  const metrics = { last: 1, series: { imitator: { entropy: [[1, 2]] } } };
+  const curves = { imitator: { entropy: [[1, 2]] } };
   serve({
     ...Object.fromEntries(runs.map((one) => [`GET /api/runs/${one.id}`, () => one])),
-    ...Object.fromEntries(runs.map(({ id }) => [`GET /api/runs/${id}/metrics`, () => metrics])),
+    "GET /api/runs/a/metrics": () => ({ last: 1, series: curves }),
+    "GET /api/runs/b/metrics": () => ({ last: 0, series: {} }),
     "GET /api/behaviours/1": () => behaviour(),
   });
   show(<ComparePage />, "/?run=a&run=b&run=gone");
@@ -26,6 +22,8 @@ it("runs are compared as far as they can be loaded", async () => {
   const table = within(screen.getByRole("table", { name: "Runs side by side" }));
   expect(table.getByRole("columnheader", { name: /Wide/ })).toBeVisible();
   expect(table.getByRole("row", { name: "steps 20,000 500,000" })).toBeVisible();
-  expect(await screen.findByRole("figure", { name: "Indecision (entropy)" })).toBeVisible();
+  const chart = await screen.findByRole("figure", { name: "Indecision (entropy)" });
+  expect(chart).toBeVisible();
+  expect(within(chart).getByText("Wide")).toBeVisible(); // the only line, named all the same
   expect(screen.getByRole("button", { name: "Download the curves (CSV)" })).toBeVisible();
 });

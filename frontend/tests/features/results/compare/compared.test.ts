@@ -110,9 +110,16 @@ describe("the curves of a comparison", () => {
     const look = { colour: "red", dashed: false };
     const hits = { imitator: { hits: [[1, 2] as const], strays: [[1, 1] as const] } };
     const groups = comparedGroups([
-      { name: "a", ...look, series: [hits] },
-      { name: "b", ...look, series: [{ imitator: { hits: [[1, 3] as const] } }] },
-      { name: "c", ...look, series: [hits, hits] },
+      { ...look, runs: [{ name: "a", series: hits }] },
+      { ...look, runs: [{ name: "b", series: { imitator: { hits: [[1, 3] as const] } } }] },
+      {
+        ...look,
+        runs: [
+          { name: "c", series: {} },
+          { name: "d", series: hits },
+          { name: "e", series: hits },
+        ],
+      },
     ]);
     expect(
       groups.map(({ stage, charts }) => [
@@ -123,8 +130,8 @@ describe("the curves of a comparison", () => {
       [
         "imitator",
         [
-          ["Targets hit per game: targets", ["a", "b", "c"]],
-          ["Targets hit per game: strays", ["a", "c"]],
+          ["Hits per game: targets", ["a", "b", "d and 1 more"]],
+          ["Hits per game: strays", ["a", "d and 1 more"]],
         ],
       ],
     ]);

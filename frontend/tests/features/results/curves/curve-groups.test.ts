@@ -41,7 +41,7 @@ describe("the curves", () => {
       clone: { loss: [[1, 2]] },
     });
     expect(groups.map((group) => group.stage)).toEqual(["imitator", "clone"]);
-    expect(groups[0]?.charts.map((chart) => chart.title)).toEqual(["Targets hit per game"]);
+    expect(groups[0]?.charts.map((chart) => chart.title)).toEqual(["Hits per game"]);
     expect(groups[0]?.charts[0]?.curves).toMatchObject([
       { name: "targets", colour: "var(--imitator)", dashed: false },
       { name: "strays", colour: "var(--imitator)", dashed: true },
