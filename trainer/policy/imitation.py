@@ -38,7 +38,7 @@ class ImitationTask:
         behaviour: For the curves of hits; PPO never looks at it.
         perfect: The perfect demonstrations; episodes may begin in them as in the best ranked ones.
         start_policy: File of the policy that a warm start begins with: the run's clone, or an
-            earlier run's imitator.
+            earlier run's imitator. None for the one that ships with Tril (PolicyRecipe.pretrained).
     """
 
     game: Game

@@ -28,7 +28,13 @@ from trainer.policy.imitation import (
     evaluate_snapshot,
     training_starts,
 )
-from trainer.policy.networks import Policy, ScreenPolicy, load_network, save_policy
+from trainer.policy.networks import (
+    Policy,
+    ScreenPolicy,
+    load_network,
+    pretrained_policy,
+    save_policy,
+)
 from trainer.policy.ppo import ImitationPPO, TrainingGenerators
 from trainer.policy.reward_shaping import RewardShaping
 from trainer.policy.vec_env import FinishedEpisode, TrilVecEnv
@@ -151,6 +157,8 @@ def _start_network(task: ImitationTask, imitator: ScreenPolicy) -> ScreenPolicy:
         Invalid: There is none, or its network differs from the imitator's.
     """
     if task.start_policy is None:
+        if task.recipe.policy.pretrained:
+            return pretrained_policy(task.recipe.policy.learning_rate)
         raise Invalid("A warm start needs a policy to begin with, such as the run's clone.")
     start = load_network(task.start_policy)
     if start.features_extractor.features_dim != imitator.features_extractor.features_dim:

@@ -48,7 +48,8 @@ def inference_digest() -> str:
 def _pretrained_weights(recipe: Recipe | RewardRecipe) -> list[Path]:
     if isinstance(recipe, RewardRecipe):
         return [WEIGHTS] if recipe.pretrained else []
-    policy = [PRETRAINED] if recipe.cloning.pretrained else []
+    begins_pretrained = recipe.cloning.pretrained or recipe.policy.pretrained
+    policy = [PRETRAINED] if begins_pretrained else []
     return _pretrained_weights(recipe.reward) + policy
 
 

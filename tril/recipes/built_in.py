@@ -68,7 +68,7 @@ ANY = Recipe(
     name="any",
     summary=(
         "For any behaviour in any game; a quarter of an hour on a laptop: infers what the order is"
-        " about, says it in words, and begins with a clone."
+        " about, and says it in words."
     ),
     default_steps=300_000,
     reward=RewardRecipe(
@@ -86,6 +86,8 @@ ANY = Recipe(
         death_forfeit=0.0,
         reward_scale=0.05,
         snapshot_episodes=12,
+        pretrained=True,
+        kl_coef=0.0,
     ),
     cloning=FAST.cloning,
     evaluation=FAST.evaluation,
@@ -114,7 +116,12 @@ def _unprepared(cloning: CloningRecipe) -> CloningRecipe:
 _FROM_SCREENS: dict[str, Recipe] = {
     ANY.name: replace(
         ANY,
-        policy=replace(ANY.policy, freeze_convolutions=False),
+        policy=replace(
+            ANY.policy,
+            pretrained=False,
+            freeze_convolutions=False,
+            kl_coef=FAST.policy.kl_coef,
+        ),
         cloning=_unprepared(ANY.cloning),
     ),
     PAPER.name: PAPER,

@@ -20,7 +20,7 @@ from trainer.policy import imitator
 from trainer.policy.evaluation import play
 from trainer.policy.imitation import ImitationTask, snapshot_starts, training_starts
 from trainer.policy.imitator import train_imitator
-from trainer.policy.networks import load_policy
+from trainer.policy.networks import load_policy, pretrained_policy
 from trainer.policy.ppo import ImitationPPO
 from trainer.policy.reward_shaping import RewardShaping
 from trainer.progress import NullProgress
@@ -129,6 +129,23 @@ def test_a_warm_start_needs_a_policy_of_the_same_network(
         train_imitator(
             replace(task, recipe=other), tmp_path / "a.zip", tmp_path, RecordingProgress()
         )
+
+
+def test_a_pretrained_warm_start_begins_with_the_policy_that_ships(
+    task: ImitationTask, tmp_path: Path
+) -> None:
+    # Only the critic learns, so that the actor is as it began.
+    recipe = tiny_recipe(pretrained=True, kl_coef=0.0, critic_warm_up_steps=2 * STEPS)
+    begun = replace(task, recipe=recipe, start_policy=None)
+    train_imitator(begun, tmp_path / "imitator.zip", tmp_path, NullProgress())
+    shipped, learned = pretrained_policy(0.0).state_dict(), weights(tmp_path / "imitator.zip")
+    n_actions = len(shipped["action_net.bias"])
+    assert np.allclose(learned["action_net.bias"][:n_actions], shipped["action_net.bias"])
+    continued = replace(begun, start_policy=task.start_policy, training_seed=1)
+    (tmp_path / "other").mkdir()
+    train_imitator(continued, tmp_path / "other.zip", tmp_path / "other", NullProgress())
+    other = weights(tmp_path / "other.zip")
+    assert not np.allclose(other["action_net.bias"], learned["action_net.bias"])
 
 
 def test_snapshots_are_judged_on_training_starts_only() -> None:

@@ -10,7 +10,7 @@ from trainer.policy.cloning import train_clone
 from trainer.policy.networks import pretrained_policy
 from trainer.progress import NullProgress
 from tril.errors import Invalid
-from tril.recipes import FAST, CloningRecipe, changed_values, with_values
+from tril.recipes import ANY, FAST, CloningRecipe, changed_values, with_values
 
 
 def test_a_pretrained_clone_begins_with_it() -> None:
@@ -47,3 +47,11 @@ def test_a_pretrained_clone_has_the_size_of_the_policy_that_ships() -> None:
     with pytest.raises(Invalid, match="a pretrained clone has the network 'small'"):
         with_values(FAST, {"cloning.pretrained": True, "cloning.network": "nature"})
     assert with_values(FAST, {"cloning.pretrained": "true"}).cloning.pretrained
+
+
+@pytest.mark.parametrize("without", [{"policy.warm_start": False}, {"policy.network": "nature"}])
+def test_a_pretrained_imitator_is_a_warm_start_of_that_size(without: dict[str, object]) -> None:
+    thawed = {"policy.freeze_convolutions": False, **without}
+    with pytest.raises(Invalid, match="pretrained=true needs warm_start=true"):
+        with_values(ANY, thawed)
+    assert not with_values(ANY, {"policy.pretrained": False, **thawed}).policy.pretrained
