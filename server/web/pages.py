@@ -13,7 +13,7 @@ from starlette.responses import FileResponse, PlainTextResponse, Response
 from starlette.types import Receive, Scope, Send
 
 from server.dependencies import services_of
-from server.web.compression import accepts_gzip, compressed, is_compressible
+from server.web.compression import accepts, compressed, is_compressible
 from server.web.problems import problem
 from server.web.sign_in import join, sign_in
 from server.web.small_pages import SmallPages
@@ -23,6 +23,8 @@ from tril.store.access import invitations
 FRONTEND = Path(__file__).with_name("static")
 _HASHED = "/assets/"
 """Where the build puts files whose names change with their content."""
+_BROTLI = ".br"
+"""Ending of files that the build has compressed, beside those that they hold."""
 _IMMUTABLE = "public, max-age=31536000, immutable"
 
 
@@ -78,7 +80,7 @@ class Frontend:
             self._files = {
                 f"/{file.relative_to(self._folder).as_posix()}": file
                 for file in self._folder.rglob("*")
-                if file.is_file() and not file.is_symlink()
+                if file.is_file() and not file.is_symlink() and file.suffix != _BROTLI
             }
             self._compressed = {}
             self._built_at = built_at
@@ -92,6 +94,11 @@ class Frontend:
         except Unavailable:
             return []
         return re.findall(r'<link rel="stylesheet"[^>]* href="([^"]+)"', page)
+
+    def brotli(self, file: Path) -> Path | None:
+        """Return the file that holds another with Brotli, None if the build made none."""
+        path = file.with_name(file.name + _BROTLI)
+        return path if path.is_file() and not path.is_symlink() else None
 
     async def compressed(self, file: Path) -> bytes:
         """Return a file's content with gzip, compressed once per build."""
@@ -157,7 +164,10 @@ class Pages:
         if not is_compressible(media_type):
             return FileResponse(file, media_type=media_type, headers=headers)
         headers["Vary"] = "Accept-Encoding"
-        if not accepts_gzip(request.headers):
+        if accepts(request.headers, "br") and (brotli := self._frontend.brotli(file)):
+            headers["Content-Encoding"] = "br"
+            return FileResponse(brotli, media_type=media_type, headers=headers)
+        if not accepts(request.headers, "gzip"):
             return FileResponse(file, media_type=media_type, headers=headers)
         headers["Content-Encoding"] = "gzip"
         content = await self._frontend.compressed(file)
