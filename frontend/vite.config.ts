@@ -4,8 +4,9 @@ import { join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { brotliCompressSync, constants } from "node:zlib";
 
-import { transformAsync } from "@babel/core";
+import { type PluginObj, transformAsync, types } from "@babel/core";
 import macros from "@lingui/babel-plugin-lingui-macro";
+import { compileMessageOrThrow } from "@lingui/message-utils/compileMessage";
 import { lingui } from "@lingui/vite-plugin";
 import react from "@vitejs/plugin-react";
 import type { Plugin, ProxyOptions } from "vite";
@@ -30,6 +31,36 @@ const proxy: ProxyOptions = {
   },
 };
 
+function withoutUndefined<T>(value: T): T {
+  return JSON.parse(JSON.stringify(value)) as T;
+}
+
+/**
+ * Compiles the messages that the macros leave in the code, so that the page needs no parser for
+ * them. Those without parameters stay strings.
+ */
+const compileMessages: PluginObj = {
+  visitor: {
+    Program: {
+      exit: (program) =>
+        program.traverse({
+          ObjectExpression({ node: { properties } }) {
+            const named = (name: string) =>
+              properties.find(
+                (one) => types.isObjectProperty(one) && types.isIdentifier(one.key, { name }),
+              );
+            const message = named("message");
+            if (!named("id") || !types.isObjectProperty(message)) return;
+            if (!types.isStringLiteral(message.value)) return;
+            const parts = compileMessageOrThrow(message.value.value);
+            const isPlain = parts.every((part) => typeof part === "string");
+            message.value = types.valueToNode(isPlain ? parts.join("") : withoutUndefined(parts));
+          },
+        }),
+    },
+  },
+};
+
 /**
  * Expands Lingui's macros. The English messages stay in the code: they are shown where a catalogue has none.
  * Types and JSX are left to Vite.
@@ -46,7 +77,7 @@ const expandMacros: Plugin = {
         configFile: false,
         sourceMaps: true,
         parserOpts: { plugins: ["typescript", ...(id.endsWith("x") ? (["jsx"] as const) : [])] },
-        plugins: [[macros, { stripMessageField: false }]],
+        plugins: [[macros, { stripMessageField: false }], compileMessages],
       });
       return result?.code ? { code: result.code, map: result.map } : null;
     },
