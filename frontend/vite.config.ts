@@ -94,6 +94,56 @@ const fontLicence: Plugin = {
   },
 };
 
+interface Preload {
+  /** Regular expression of a page's addresses; its group is the id. */
+  readonly path: string;
+  /** The page's module. */
+  readonly page: string;
+  /** What the page asks the API for at first; `{id}` is the id. */
+  readonly data: readonly string[];
+}
+
+/**
+ * Writes down for the server which chunks each page of `preloads.json` needs beside the entry, so that
+ * browsers load them and the page's data with the entry and not after it.
+ */
+const preloads: Plugin = {
+  name: "preloads",
+  apply: "build",
+  generateBundle(_, bundle) {
+    const chunks = Object.values(bundle).filter((one) => one.type === "chunk");
+    const byFile = new Map(chunks.map((chunk) => [chunk.fileName, chunk]));
+    const filesOf = (chunk: (typeof chunks)[number], files = new Set<string>()): Set<string> => {
+      if (files.has(chunk.fileName)) return files;
+      files.add(chunk.fileName);
+      for (const name of chunk.imports) {
+        const imported = byFile.get(name);
+        if (imported) filesOf(imported, files);
+      }
+      return files;
+    };
+    const stylesOf = (files: ReadonlySet<string>) =>
+      [...files].flatMap((name) => [...(byFile.get(name)?.viteMetadata?.importedCss ?? [])]);
+    const entry = chunks.find(({ isEntry }) => isEntry);
+    const first = entry ? filesOf(entry) : new Set<string>();
+    const firstStyles = new Set(stylesOf(first));
+    const source = new URL("preloads.json", import.meta.url);
+    const pages = JSON.parse(readFileSync(source, "utf8")) as readonly Preload[];
+    const preloaded = pages.map(({ path, page, data }) => {
+      const chunk = chunks.find((one) => one.facadeModuleId?.endsWith(`/${page}`));
+      if (!chunk) throw new Error(`preloads.json: ${page} is no page with a chunk of its own.`);
+      const files = new Set([...filesOf(chunk)].filter((name) => !first.has(name)));
+      const styles = stylesOf(files).filter((name) => !firstStyles.has(name));
+      return { path, scripts: [...files], styles: [...new Set(styles)], data };
+    });
+    this.emitFile({
+      type: "asset",
+      fileName: "preloads.json",
+      source: JSON.stringify(preloaded),
+    });
+  },
+};
+
 /** Below this a compressed file saves no packet. */
 const MIN_BROTLI_BYTES = 1024;
 
@@ -113,7 +163,14 @@ const brotli: Plugin = {
 };
 
 export default defineConfig({
-  plugins: [expandMacros, react(), lingui({ failOnCompileError: true }), fontLicence, brotli],
+  plugins: [
+    expandMacros,
+    react(),
+    lingui({ failOnCompileError: true }),
+    fontLicence,
+    preloads,
+    brotli,
+  ],
   resolve: { alias: { "@": fileURLToPath(new URL("./src", import.meta.url)) } },
   build: {
     // Inside the package, so that a wheel and a clone have the page in the same place.
@@ -127,8 +184,10 @@ export default defineConfig({
         codeSplitting: {
           // Two files of what every page needs: each takes the server 10 ms, and a browser gets six at a time.
           groups: [
-            { name: "libraries", tags: ["$initial"], test: /node_modules/, priority: 1 },
+            { name: "libraries", tags: ["$initial"], test: /node_modules|rolldown/, priority: 1 },
             { name: "page", tags: ["$initial"] },
+            // What several pages need, in one file and not in twenty.
+            { name: "shared", minShareCount: 3, test: /\/src\// },
           ],
         },
       },

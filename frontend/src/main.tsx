@@ -7,6 +7,7 @@ import { createRoot } from "react-dom/client";
 import { RouterProvider } from "react-router/dom";
 
 import { Localised } from "@/app/Localised";
+import { loadFirstPage } from "@/app/first-page";
 import { createQueryClient } from "@/app/query-client";
 import { createRouter } from "@/app/router";
 import { ToastProvider } from "@/components/feedback/Toasts";
@@ -19,8 +20,8 @@ const page = createRoot(root);
 const client = createQueryClient();
 const router = createRouter();
 
-// The first text that is shown is in the right language.
-void startLanguage().then(() =>
+// The first text that is shown is in the right language, and the first page has what it shows.
+void Promise.all([startLanguage(), loadFirstPage(client, location.pathname)]).then(() =>
   page.render(
     <StrictMode>
       <Localised>
