@@ -2,7 +2,7 @@ import "@/styles/tokens.css";
 import "@/styles/base.css";
 
 import { QueryClientProvider } from "@tanstack/react-query";
-import { StrictMode } from "react";
+import { startTransition, StrictMode } from "react";
 import { createRoot } from "react-dom/client";
 import { RouterProvider } from "react-router/dom";
 
@@ -20,17 +20,20 @@ const page = createRoot(root);
 const client = createQueryClient();
 const router = createRouter();
 
-// The first text that is shown is in the right language, and the first page has what it shows.
+// The first text that is shown is in the right language, and the first page has what it shows. As a
+// transition it is rendered in slices, between which the browser answers to input.
 void Promise.all([startLanguage(), loadFirstPage(client, location.pathname)]).then(() =>
-  page.render(
-    <StrictMode>
-      <Localised>
-        <QueryClientProvider client={client}>
-          <ToastProvider>
-            <RouterProvider router={router} />
-          </ToastProvider>
-        </QueryClientProvider>
-      </Localised>
-    </StrictMode>,
+  startTransition(() =>
+    page.render(
+      <StrictMode>
+        <Localised>
+          <QueryClientProvider client={client}>
+            <ToastProvider>
+              <RouterProvider router={router} />
+            </ToastProvider>
+          </QueryClientProvider>
+        </Localised>
+      </StrictMode>,
+    ),
   ),
 );
