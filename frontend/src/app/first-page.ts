@@ -2,11 +2,10 @@ import type { QueryClient } from "@tanstack/react-query";
 import { matchPath } from "react-router";
 
 import { behaviourQuery, behavioursQuery } from "@/api/behaviours";
-import { borrowedQuery, libraryQuery } from "@/api/library";
+import { libraryQuery } from "@/api/library";
 import { playerQuery } from "@/api/system";
 import { recordingQuery } from "@/api/recordings";
 import { resultsQuery, runQuery } from "@/api/runs";
-import { rankingQuery } from "@/features/ranking/order/rankings";
 import { metricsQuery } from "@/features/results/curves/metrics";
 import { catalogueQuery, gameQuery } from "@/games/catalogue";
 
@@ -42,11 +41,8 @@ const LOADS: Readonly<Record<string, Load>> = {
   "/behaviours/:id/recordings": inBehaviour(pages.RecordingsPage, (client, id) => [
     client.query(libraryQuery(Number(id))),
   ]),
-  "/behaviours/:id/rank": inBehaviour(pages.RankPage, (client, id) => [
-    client.query(rankingQuery(Number(id))),
-    client.query(borrowedQuery(Number(id))),
-    client.query(libraryQuery(Number(id))),
-  ]),
+  // Its frame comes first: with the board it would be one long task.
+  "/behaviours/:id/rank": inBehaviour(pages.RankPage),
   "/behaviours/:id/train": inBehaviour(pages.TrainPage),
   "/behaviours/:id/runs": inBehaviour(pages.RunsPage),
   "/runs/:id": (client, id) => [
