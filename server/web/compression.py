@@ -34,10 +34,10 @@ _COMPRESSIBLE = frozenset(
 )
 
 
-def accepts_gzip(headers: Headers) -> bool:
-    """Whether the sender of a request takes a compressed answer."""
+def accepts(headers: Headers, coding: str) -> bool:
+    """Whether the sender of a request takes a response with a content coding, such as gzip."""
     codings = headers.get("accept-encoding", "")[:MAX_CODINGS_CHARACTERS].lower()
-    return "gzip" in codings.replace(" ", "").split(",")
+    return coding in codings.replace(" ", "").split(",")
 
 
 def is_compressible(media_type: str) -> bool:
@@ -58,7 +58,7 @@ class Compression:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on and compress its answer."""
-        if scope["type"] != "http" or not accepts_gzip(Headers(scope=scope)):
+        if scope["type"] != "http" or not accepts(Headers(scope=scope), "gzip"):
             await self._app(scope, receive, send)
             return
         start: Message | None = None

@@ -9,11 +9,12 @@ from pathlib import Path
 from urllib.parse import quote
 
 from starlette.requests import Request
-from starlette.responses import FileResponse, PlainTextResponse, Response
+from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, Response
 from starlette.types import Receive, Scope, Send
 
 from server.dependencies import services_of
-from server.web.compression import accepts_gzip, compressed, is_compressible
+from server.web.compression import accepts, compressed, is_compressible
+from server.web.preloads import PRELOADS, Preload, read_preloads
 from server.web.problems import problem
 from server.web.sign_in import join, sign_in
 from server.web.small_pages import SmallPages
@@ -23,6 +24,8 @@ from tril.store.access import invitations
 FRONTEND = Path(__file__).with_name("static")
 _HASHED = "/assets/"
 """Where the build puts files whose names change with their content."""
+_BROTLI = ".br"
+"""Ending of files that the build has compressed, beside those that they hold."""
 _IMMUTABLE = "public, max-age=31536000, immutable"
 
 
@@ -56,6 +59,7 @@ class Frontend:
         self._built_at: int | None = None
         self._files: dict[str, Path] = {}
         self._compressed: dict[Path, bytes] = {}
+        self._preloads: list[Preload] = []
 
     @property
     def index(self) -> Path:
@@ -78,11 +82,26 @@ class Frontend:
             self._files = {
                 f"/{file.relative_to(self._folder).as_posix()}": file
                 for file in self._folder.rglob("*")
-                if file.is_file() and not file.is_symlink()
+                if file.is_file() and not file.is_symlink() and file.suffix != _BROTLI
             }
+            self._files.pop(f"/{PRELOADS}", None)
             self._compressed = {}
+            self._preloads = read_preloads(self._folder)
             self._built_at = built_at
         return self._files.get(path)
+
+    def page(self, path: str, with_data: bool) -> str:
+        """Return the application's page for a path, with links to what is needed there.
+
+        Args:
+            path: A path of the application.
+            with_data: Whether to link the answers of the API that the owner's page asks for.
+        """
+        page = self.index.read_text(encoding="utf-8")
+        for preload in self._preloads:
+            if links := preload.links(path, with_data):
+                return page.replace("</head>", f"{links}</head>", 1)
+        return page
 
     @property
     def stylesheets(self) -> list[str]:
@@ -92,6 +111,11 @@ class Frontend:
         except Unavailable:
             return []
         return re.findall(r'<link rel="stylesheet"[^>]* href="([^"]+)"', page)
+
+    def brotli(self, file: Path) -> Path | None:
+        """Return the file that holds another with Brotli, None if the build made none."""
+        path = file.with_name(file.name + _BROTLI)
+        return path if path.is_file() and not path.is_symlink() else None
 
     async def compressed(self, file: Path) -> bytes:
         """Return a file's content with gzip, compressed once per build."""
@@ -146,9 +170,12 @@ class Pages:
             return await self._file(request, file, media_type, cached)
         if "." in path.rpartition("/")[2]:
             return PlainTextResponse("There is no such file.", 404)
-        if await services_of(request).access.identify(request) is None:
+        identity = await services_of(request).access.identify(request)
+        if identity is None:
             return _not_signed_in(request, self._small(request))
-        return await self._file(request, self._frontend.index, "text/html", "no-store")
+        # Participants may not ask for all of it.
+        page = self._frontend.page(path, with_data=not identity.is_participant)
+        return HTMLResponse(page, headers={"Cache-Control": "no-store"})
 
     async def _file(
         self, request: Request, file: Path, media_type: str, cache_control: str
@@ -157,7 +184,10 @@ class Pages:
         if not is_compressible(media_type):
             return FileResponse(file, media_type=media_type, headers=headers)
         headers["Vary"] = "Accept-Encoding"
-        if not accepts_gzip(request.headers):
+        if accepts(request.headers, "br") and (brotli := self._frontend.brotli(file)):
+            headers["Content-Encoding"] = "br"
+            return FileResponse(brotli, media_type=media_type, headers=headers)
+        if not accepts(request.headers, "gzip"):
             return FileResponse(file, media_type=media_type, headers=headers)
         headers["Content-Encoding"] = "gzip"
         content = await self._frontend.compressed(file)

@@ -1,6 +1,6 @@
 import { t } from "@lingui/core/macro";
 import { usePrefetchQuery, useQuery } from "@tanstack/react-query";
-import { type ComponentType, lazy, type ReactNode, Suspense, useEffect } from "react";
+import { type ComponentType, type ReactNode, Suspense, useEffect } from "react";
 import { createBrowserRouter, Navigate, useParams } from "react-router";
 
 import { behaviourQuery } from "@/api/behaviours";
@@ -12,44 +12,26 @@ import type { Behaviour, Run } from "@/api/types";
 import { Layout } from "@/app/layout/Layout";
 import { Failed, Loading } from "@/components/feedback/States";
 import { BehaviourFrame } from "@/features/behaviours/BehaviourFrame";
-import { HomePage } from "@/features/behaviours/HomePage";
-import { PlayPage } from "@/features/play/PlayPage";
 import { rankingQuery } from "@/features/ranking/order/rankings";
-import { RecordingsPage } from "@/features/recordings/RecordingsPage";
 import { useMetricsQuery } from "@/features/results/curves/metrics";
 
 import { ErrorPage } from "./ErrorPage";
 import { NotFound } from "./NotFound";
-
-// Loaded on demand: the first steps don't need these pages.
-const RecordingPage = lazy(async () => ({
-  default: (await import("@/features/recordings/RecordingPage")).RecordingPage,
-}));
-const importRankPage = () => import("@/features/ranking/RankPage");
-const RankPage = lazy(async () => ({ default: (await importRankPage()).RankPage }));
-const TrainPage = lazy(async () => ({
-  default: (await import("@/features/training/TrainPage")).TrainPage,
-}));
-const RunsPage = lazy(async () => ({
-  default: (await import("@/features/results/RunsPage")).RunsPage,
-}));
-const ComparePage = lazy(async () => ({
-  default: (await import("@/features/results/compare/ComparePage")).ComparePage,
-}));
-const importRunPage = () => import("@/features/results/RunPage");
-const RunPage = lazy(async () => ({ default: (await importRunPage()).RunPage }));
-const PeoplePage = lazy(async () => ({
-  default: (await import("@/features/people/PeoplePage")).PeoplePage,
-}));
-const GamesPage = lazy(async () => ({
-  default: (await import("@/features/behaviours/games/GamesPage")).GamesPage,
-}));
-const GamePage = lazy(async () => ({
-  default: (await import("@/features/behaviours/games/GamePage")).GamePage,
-}));
-const WatchPage = lazy(async () => ({
-  default: (await import("@/features/play/watch/WatchPage")).WatchPage,
-}));
+import {
+  ComparePage,
+  GamePage,
+  GamesPage,
+  HomePage,
+  PeoplePage,
+  PlayPage,
+  RankPage,
+  RecordingPage,
+  RecordingsPage,
+  RunPage,
+  RunsPage,
+  TrainPage,
+  WatchPage,
+} from "./pages";
 
 /** Shows a placeholder while the code of a page loads. */
 function Lazy({ children }: { children: ReactNode }) {
@@ -88,7 +70,7 @@ function RankingBeside({ behaviourId }: { behaviourId: number }) {
   usePrefetchQuery(rankingQuery(behaviourId));
   usePrefetchQuery(borrowedQuery(behaviourId));
   usePrefetchQuery(libraryQuery(behaviourId));
-  useEffect(() => void importRankPage(), []);
+  useEffect(() => void RankPage.load(), []);
   return null;
 }
 
@@ -112,7 +94,7 @@ function RunPageRoute() {
   const { runId = "" } = useParams();
   usePrefetchQuery(resultsQuery(runId));
   usePrefetchQuery(useMetricsQuery(runId));
-  useEffect(() => void importRunPage(), []);
+  useEffect(() => void RunPage.load(), []);
   return <RunRoute page={runPage} />;
 }
 
@@ -150,7 +132,14 @@ export const routes = [
     element: <Layout />,
     errorElement: <ErrorPage />,
     children: [
-      { index: true, element: <HomePage /> },
+      {
+        index: true,
+        element: (
+          <Lazy>
+            <HomePage />
+          </Lazy>
+        ),
+      },
       {
         path: "behaviours/:behaviourId",
         children: [

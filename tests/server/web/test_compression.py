@@ -86,3 +86,29 @@ def test_files_of_the_page_are_compressed_and_new_after_a_build(
         whole = client.get("/assets/index-abc.js", headers={"Accept-Encoding": "identity"})
         assert "content-encoding" not in whole.headers
         assert client.get("/").headers["cache-control"] == "no-store"
+
+
+@pytest.mark.parametrize(
+    ("accepted", "coding"),
+    [("gzip, deflate, br, zstd", "br"), ("gzip", "gzip"), ("br;q=0", None), ("identity", None)],
+)
+def test_scripts_that_the_build_compressed_are_sent_as_they_lie(
+    workplace: Workplace, tmp_path: Path, accepted: str, coding: str | None
+) -> None:
+    (tmp_path / "assets").mkdir()
+    script = tmp_path / "assets" / "index-abc.js"
+    script.write_text("//" + LONG)
+    script.with_name("index-abc.js.br").write_bytes(b"compressed")
+    (tmp_path / "index.html").write_text("<!doctype html><title>Tril</title>")
+    with signed_in(workplace, tmp_path) as client:
+        headers = {"Accept-Encoding": accepted}
+        with client.stream("GET", "/assets/index-abc.js", headers=headers) as answer:
+            assert answer.headers.get("content-encoding") == coding
+            assert answer.headers["vary"] == "Accept-Encoding"
+            assert answer.headers["content-type"].startswith("text/javascript")
+            assert answer.headers["cache-control"].endswith("immutable")
+            body = b"".join(answer.iter_raw())
+        assert (body == b"compressed") == (coding == "br")
+        assert client.get("/assets/index-abc.js.br").status_code == 404
+        with client.stream("GET", "/", headers=headers) as page:
+            assert page.headers.get("content-encoding") != "br"

@@ -16,7 +16,8 @@ export function useMetricsQueries(runIds: readonly string[]) {
   return runIds.map((runId) => metricsQuery(client, runId));
 }
 
-function metricsQuery(client: QueryClient, runId: string) {
+/** The same for those who have the client. */
+export function metricsQuery(client: QueryClient, runId: string) {
   const queryKey = ["metrics", runId];
   return queryOptions({
     queryKey,
