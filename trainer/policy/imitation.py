@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from torch import Tensor
 
 from trainer.nn.precision import Precision
 from trainer.policy.evaluation import EvaluatedGame, play
-from trainer.policy.networks import Policy, ScreenPolicy
+from trainer.policy.networks import Policy, ScreenPolicy, pretrained_policy
 from trainer.policy.reward_shaping import RewardShaping
 from trainer.progress import CallbackProgress
 from trainer.reward.model import RewardModel
@@ -20,7 +21,13 @@ from tril.recipes import Recipe
 from tril.recording import Recording
 
 _SNAPSHOT_OPENINGS = 1_000_037
-"""Seed of the openings of the games that judge snapshots."""
+"""Seed of the openings of the games that judge snapshots and mixtures."""
+
+MIXTURES = (0.0, 0.25, 0.5, 0.75, 1.0)
+"""Shares of the start policy's weights in the mixtures that are tried."""
+
+_MIXTURE_GAMES = 24
+"""Games that judge each mixture."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +45,7 @@ class ImitationTask:
         behaviour: For the curves of hits; PPO never looks at it.
         perfect: The perfect demonstrations; episodes may begin in them as in the best ranked ones.
         start_policy: File of the policy that a warm start begins with: the run's clone, or an
-            earlier run's imitator. None for the one that ships with Tril (PolicyRecipe.pretrained).
+            earlier run's imitator.
     """
 
     game: Game
@@ -131,10 +138,62 @@ def evaluate_snapshot(
         end_rule=recipe.ending,
         progress=CallbackProgress(on_step),
     )
+    return mean_return(games, shaping), games
+
+
+def best_mixture(
+    task: ImitationTask,
+    start: ScreenPolicy,
+    shaping: RewardShaping,
+    on_step: Callable[[], None],
+) -> ScreenPolicy:
+    """Return the best mixture of a start policy with the policy that ships with Tril.
+
+    The clone has learned from that policy with the same convolutions, so that weights between
+    theirs act between theirs: some do what the demonstrations do and have not forgotten to
+    survive (Wortsman et al. 2022, Robust fine-tuning of zero-shot models, section 3). The best is
+    that whose sampled games from training starts have the highest shaped return.
+
+    Args:
+        task: What the imitator is trained from.
+        start: The policy that a warm start begins with.
+        shaping: The reward.
+        on_step: Called after every step of the games; what it raises ends them.
+    """
+    shipped = pretrained_policy(0.0).state_dict()
+    # Copies, since the start policy takes on the weights of each mixture.
+    learned = {name: one.cpu().clone() for name, one in start.state_dict().items()}
+    starts = spread_starts(training_starts(task.game, task.recipe), _MIXTURE_GAMES)
+    rng = np.random.default_rng(_SNAPSHOT_OPENINGS)
+    opened = [task.game.starts.draw_opening(one, rng) for one in starts]
+    best: tuple[float, dict[str, Tensor]] | None = None
+    for share in MIXTURES:
+        weights = {name: (1 - share) * shipped[name] + share * learned[name] for name in shipped}
+        start.load_state_dict(weights)
+        games = play(
+            task.game,
+            Policy(start),
+            opened,
+            "sampled",
+            sticky_action_probability=task.recipe.policy.sticky_action_probability,
+            model=shaping.model,
+            end_rule=task.recipe.ending,
+            progress=CallbackProgress(on_step),
+        )
+        found = mean_return(games, shaping)
+        if best is None or found > best[0]:
+            best = found, weights
+    assert best is not None
+    start.load_state_dict(best[1])
+    return start
+
+
+def mean_return(games: Sequence[EvaluatedGame], shaping: RewardShaping) -> float:
+    """Return the mean shaped return of games whose rewards are known."""
     returns = [
         shaping.shaped_return(game.rewards, game.died) for game in games if game.rewards is not None
     ]
-    return float(np.mean(returns)), games
+    return float(np.mean(returns))
 
 
 def snapshot_starts(game: Game, recipe: Recipe) -> list[Start | Opening]:

@@ -23,6 +23,7 @@ from trainer.policy.imitation import (
     ImitatorResult,
     Snapshot,
     SnapshotScore,
+    best_mixture,
     best_snapshot,
     episode_metrics,
     evaluate_snapshot,
@@ -32,7 +33,6 @@ from trainer.policy.networks import (
     Policy,
     ScreenPolicy,
     load_network,
-    pretrained_policy,
     save_policy,
 )
 from trainer.policy.ppo import ImitationPPO, TrainingGenerators
@@ -157,8 +157,6 @@ def _start_network(task: ImitationTask, imitator: ScreenPolicy) -> ScreenPolicy:
         Invalid: There is none, or its network differs from the imitator's.
     """
     if task.start_policy is None:
-        if task.recipe.policy.pretrained:
-            return pretrained_policy(task.recipe.policy.learning_rate)
         raise Invalid("A warm start needs a policy to begin with, such as the run's clone.")
     start = load_network(task.start_policy)
     if start.features_extractor.features_dim != imitator.features_extractor.features_dim:
@@ -293,8 +291,16 @@ class _TrainingCallback(BaseCallback):
             if self._task.recipe.policy.kl_coef:
                 ppo.start_policy = start
             if not ppo.num_timesteps:
-                ppo.policy.load_state_dict(start.state_dict())
+                ppo.policy.load_state_dict(self._begun(start).state_dict())
         self._reporter.on_step()
+
+    def _begun(self, start: ScreenPolicy) -> ScreenPolicy:
+        """Return the policy that PPO begins with: the start policy, or a mixture with it."""
+        if not self._task.recipe.policy.mixed_start:
+            return start
+        return best_mixture(self._task, start, self._env.reward_shaping, self._reporter.on_step).to(
+            self._ppo.device
+        )
 
     def _on_rollout_start(self) -> None:
         if self._rollouts:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TypeVar
 
@@ -217,17 +217,10 @@ class RunData:
         """Give the run's artifact of a kind as a file on this machine."""
         return self._file_of(self.context.run_id, kind)
 
-    def start_policy_file(self) -> AbstractContextManager[Path | None]:
-        """Give the policy that a warm start begins with: the parent's imitator, or the clone.
-
-        None where the recipe begins with the policy that ships with Tril.
-        """
+    def start_policy_file(self) -> AbstractContextManager[Path]:
+        """Give the policy that a warm start begins with: the parent's imitator, or the clone."""
         parent = self.context.run.parent_run_id
-        if parent is not None:
-            return self._file_of(parent, "imitator")
-        if self.context.recipe.policy.pretrained:
-            return nullcontext()
-        return self.artifact_file("clone")
+        return self.artifact_file("clone") if parent is None else self._file_of(parent, "imitator")
 
     def _file_of(self, run_id: str, kind: str) -> AbstractContextManager[Path]:
         return artifacts.local_file(self.context.database, self.context.artifacts, run_id, kind)

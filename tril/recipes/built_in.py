@@ -86,7 +86,7 @@ ANY = Recipe(
         death_forfeit=0.0,
         reward_scale=0.05,
         snapshot_episodes=12,
-        pretrained=True,
+        mixed_start=True,
         kl_coef=0.0,
     ),
     cloning=FAST.cloning,
@@ -118,7 +118,7 @@ _FROM_SCREENS: dict[str, Recipe] = {
         ANY,
         policy=replace(
             ANY.policy,
-            pretrained=False,
+            mixed_start=False,
             freeze_convolutions=False,
             kl_coef=FAST.policy.kl_coef,
         ),

@@ -159,8 +159,8 @@ class PolicyRecipe:
             demonstrations.
         warm_start: Whether the policy starts from the run's clone, or from the imitator of the
             run that it continues, which has to use the same network.
-        pretrained: Whether a warm start is from the policy that ships with Tril, which has learned
-            to survive, in place of the clone; see scripts.pretraining.
+        mixed_start: Whether a warm start is from a mixture of that policy and the one that ships
+            with Tril, which has learned to survive; see trainer.policy.imitation.best_mixture.
         kl_coef: Initial coefficient of the KL divergence from that policy; it falls linearly to
             zero over the training. Without a warm start there is none.
         freeze_convolutions: Whether the convolutions stay as the start policy has them and only
@@ -197,7 +197,7 @@ class PolicyRecipe:
     best_share: Share = 0.0
     demonstration_share: Share = 0.0
     warm_start: Flag = False
-    pretrained: Flag = False
+    mixed_start: Flag = False
     kl_coef: NotNegative = 0.0
     freeze_convolutions: Flag = False
     critic_warm_up_steps: CountOrNone = 0
@@ -221,10 +221,10 @@ class PolicyRecipe:
                 "freeze_convolutions=true needs warm_start=true, a policy to begin with: set it, or"
                 " freeze_convolutions=false"
             )
-        if self.pretrained and not (self.warm_start and self.network == "small"):
+        if self.mixed_start and not (self.freeze_convolutions and self.network == "small"):
             raise ValueError(
-                "pretrained=true needs warm_start=true and the network 'small': set both, or"
-                " pretrained=false"
+                "mixed_start=true needs freeze_convolutions=true and the network 'small': set"
+                " both, or mixed_start=false"
             )
         return self
 
@@ -357,7 +357,7 @@ class Recipe:
     @property
     def needs_pretrained(self) -> bool:
         """Whether it needs networks that have learned to read the game's screens."""
-        return self.reward.pretrained or self.cloning.pretrained or self.policy.pretrained
+        return self.reward.pretrained or self.cloning.pretrained or self.policy.mixed_start
 
     @property
     def warm_up_steps(self) -> int:

@@ -69,7 +69,8 @@ def create_run(
         recipe_named(recipe.name, pretrained=False)
         raise Invalid(
             "The recipe needs networks that have learned to read the game's screens, which this"
-            " game does not have: set reward.method=paper and cloning.pretrained=false."
+            " game does not have: set reward.method=paper, cloning.pretrained=false and"
+            " policy.mixed_start=false."
         )
     if steps < 1:
         raise Invalid(f"Expected at least one step, got {steps}.")

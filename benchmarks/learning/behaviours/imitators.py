@@ -223,7 +223,7 @@ class Taught:
                 steps=steps,
                 training_seed=self.seed,
                 perfect=[self.played.recordings[row] for row in self.best],
-                start_policy=None if self.recipe.policy.pretrained else path,
+                start_policy=path,
             )
             scratch = Path(folder) / "imitator"
             scratch.mkdir()

@@ -5,6 +5,7 @@ from typing import cast
 
 import numpy as np
 import pytest
+import torch
 
 from tests.trainer.samples import (
     STEPS,
@@ -16,11 +17,16 @@ from tests.trainer.samples import (
     weights,
 )
 from testsupport.space_invaders import evaluation_start, idle_frames
-from trainer.policy import imitator
+from trainer.policy import imitation, imitator
 from trainer.policy.evaluation import play
-from trainer.policy.imitation import ImitationTask, snapshot_starts, training_starts
+from trainer.policy.imitation import (
+    ImitationTask,
+    best_mixture,
+    snapshot_starts,
+    training_starts,
+)
 from trainer.policy.imitator import train_imitator
-from trainer.policy.networks import load_policy, pretrained_policy
+from trainer.policy.networks import load_network, load_policy, pretrained_policy
 from trainer.policy.ppo import ImitationPPO
 from trainer.policy.reward_shaping import RewardShaping
 from trainer.progress import NullProgress
@@ -131,21 +137,34 @@ def test_a_warm_start_needs_a_policy_of_the_same_network(
         )
 
 
-def test_a_pretrained_warm_start_begins_with_the_policy_that_ships(
-    task: ImitationTask, tmp_path: Path
+def test_a_mixed_start_is_the_mixture_of_the_highest_return(
+    task: ImitationTask, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    recipe = tiny_recipe(mixed_start=True, kl_coef=0.0, freeze_convolutions=True)
+    shaping = RewardShaping.of(task.model, recipe.policy)
+    assert task.start_policy is not None
+    clone = load_network(task.start_policy)
+    learned, shipped = dict(clone.state_dict()), pretrained_policy(0.0).state_dict()
+    learned = {name: one.clone() for name, one in learned.items()}
+    returns = iter([1.0, 3.0, 2.0, 0.0, 3.0])
+    monkeypatch.setattr(imitation, "mean_return", lambda *_: next(returns))
+    monkeypatch.setattr(imitation, "play", lambda *_, **__: [])
+    mixed = best_mixture(replace(task, recipe=recipe), clone, shaping, lambda: None).state_dict()
+    for name, weight in mixed.items():
+        expected = 0.75 * shipped[name] + 0.25 * learned[name]
+        assert torch.allclose(weight, expected, atol=1e-6), name
+
+
+def test_a_training_begins_with_its_mixed_start(task: ImitationTask, tmp_path: Path) -> None:
     # Only the critic learns, so that the actor is as it began.
-    recipe = tiny_recipe(pretrained=True, kl_coef=0.0, critic_warm_up_steps=2 * STEPS)
-    begun = replace(task, recipe=recipe, start_policy=None)
+    recipe = tiny_recipe(mixed_start=True, kl_coef=0.0, critic_warm_up_steps=2 * STEPS)
+    begun = replace(task, recipe=recipe)
+    assert begun.start_policy is not None
+    shaping = RewardShaping.of(task.model, recipe.policy)
+    mixed = best_mixture(begun, load_network(begun.start_policy), shaping, lambda: None)
     train_imitator(begun, tmp_path / "imitator.zip", tmp_path, NullProgress())
-    shipped, learned = pretrained_policy(0.0).state_dict(), weights(tmp_path / "imitator.zip")
-    n_actions = len(shipped["action_net.bias"])
-    assert np.allclose(learned["action_net.bias"][:n_actions], shipped["action_net.bias"])
-    continued = replace(begun, start_policy=task.start_policy, training_seed=1)
-    (tmp_path / "other").mkdir()
-    train_imitator(continued, tmp_path / "other.zip", tmp_path / "other", NullProgress())
-    other = weights(tmp_path / "other.zip")
-    assert not np.allclose(other["action_net.bias"], learned["action_net.bias"])
+    learned = load_network(tmp_path / "imitator.zip").state_dict()
+    assert torch.allclose(learned["action_net.bias"], mixed.state_dict()["action_net.bias"])
 
 
 def test_snapshots_are_judged_on_training_starts_only() -> None:

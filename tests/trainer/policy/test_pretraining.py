@@ -49,9 +49,12 @@ def test_a_pretrained_clone_has_the_size_of_the_policy_that_ships() -> None:
     assert with_values(FAST, {"cloning.pretrained": "true"}).cloning.pretrained
 
 
-@pytest.mark.parametrize("without", [{"policy.warm_start": False}, {"policy.network": "nature"}])
-def test_a_pretrained_imitator_is_a_warm_start_of_that_size(without: dict[str, object]) -> None:
-    thawed = {"policy.freeze_convolutions": False, **without}
-    with pytest.raises(Invalid, match="pretrained=true needs warm_start=true"):
-        with_values(ANY, thawed)
-    assert not with_values(ANY, {"policy.pretrained": False, **thawed}).policy.pretrained
+@pytest.mark.parametrize(
+    "without", [{"policy.freeze_convolutions": False}, {"policy.network": "nature"}]
+)
+def test_a_mixed_start_has_the_convolutions_of_the_policy_that_ships(
+    without: dict[str, object],
+) -> None:
+    with pytest.raises(Invalid, match="mixed_start=true needs freeze_convolutions=true"):
+        with_values(ANY, without)
+    assert not with_values(ANY, {"policy.mixed_start": False, **without}).policy.mixed_start

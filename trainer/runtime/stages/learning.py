@@ -123,8 +123,7 @@ def learn_clone(data: RunData, progress: Progress) -> None:
 def learn_imitator(data: RunData, progress: Progress) -> RunOutcome:
     """Train the imitator as its recipe says, from its checkpoint if there is one; keep it.
 
-    PPO begins with the run's clone, the policy that ships with Tril, or the imitator of the run
-    that it continues.
+    PPO begins with the run's clone, or with the imitator of the run that it continues.
     """
     context = data.context
     task = ImitationTask(
