@@ -24,6 +24,6 @@ it("runs are compared as far as they can be loaded", async () => {
   expect(table.getByRole("row", { name: "steps 20,000 500,000" })).toBeVisible();
   const chart = await screen.findByRole("figure", { name: "Indecision (entropy)" });
   expect(chart).toBeVisible();
-  expect(within(chart).getByText("Wide")).toBeVisible(); // the only line, named all the same
+  expect(await within(chart).findByText("Wide")).toBeVisible(); // the only line, named all the same
   expect(screen.getByRole("button", { name: "Download the curves (CSV)" })).toBeVisible();
 });
