@@ -1,5 +1,4 @@
 import type { QueryClient } from "@tanstack/react-query";
-import { matchPath } from "react-router";
 
 import { behaviourQuery, behavioursQuery } from "@/api/behaviours";
 import { libraryQuery } from "@/api/library";
@@ -31,27 +30,28 @@ const inBehaviour =
     ...beside(client, id),
   ];
 
-const LOADS: Readonly<Record<string, Load>> = {
+/** By the same paths as in preloads.json. */
+export const LOADS: Readonly<Record<string, Load>> = {
   "/": (client) => [
     pages.HomePage.load(),
     client.query(behavioursQuery),
     client.query(catalogueQuery),
   ],
-  "/behaviours/:id/play": inBehaviour(pages.PlayPage),
-  "/behaviours/:id/recordings": inBehaviour(pages.RecordingsPage, (client, id) => [
+  "/behaviours/(\\d+)/play": inBehaviour(pages.PlayPage),
+  "/behaviours/(\\d+)/recordings": inBehaviour(pages.RecordingsPage, (client, id) => [
     client.query(libraryQuery(Number(id))),
   ]),
   // Its frame comes first: with the board it would be one long task.
-  "/behaviours/:id/rank": inBehaviour(pages.RankPage),
-  "/behaviours/:id/train": inBehaviour(pages.TrainPage),
-  "/behaviours/:id/runs": inBehaviour(pages.RunsPage),
-  "/runs/:id": (client, id) => [
+  "/behaviours/(\\d+)/rank": inBehaviour(pages.RankPage),
+  "/behaviours/(\\d+)/train": inBehaviour(pages.TrainPage),
+  "/behaviours/(\\d+)/runs": inBehaviour(pages.RunsPage),
+  "/runs/([0-9a-f-]{36})": (client, id) => [
     pages.RunPage.load(),
     client.query(runQuery(id)).then((run) => fetchBehaviour(client, run.behaviour_id)),
     client.query(resultsQuery(id)),
     client.query(metricsQuery(client, id)),
   ],
-  "/recordings/:id": (client, id) => [
+  "/recordings/(\\d+)": (client, id) => [
     pages.RecordingPage.load(),
     client
       .query(recordingQuery(Number(id)))
@@ -65,8 +65,9 @@ const LOADS: Readonly<Record<string, Load>> = {
  */
 export async function loadFirstPage(client: QueryClient, path: string): Promise<void> {
   for (const [pattern, load] of Object.entries(LOADS)) {
-    const id = matchPath(pattern, path)?.params.id ?? "";
-    if (!matchPath(pattern, path) || !/^[\w-]*$/.test(id)) continue;
+    const match = new RegExp(`^${pattern}$`).exec(path);
+    if (!match) continue;
+    const id = match[1] ?? "";
     const patience = new Promise((resolve) => setTimeout(resolve, PATIENCE_MS));
     // The page itself says what failed.
     const all = Promise.allSettled([client.query(playerQuery), ...load(client, id)]);
