@@ -95,7 +95,7 @@ class Frontend:
 
         Args:
             path: A path of the application.
-            with_data: Whether to link the answers of the API that the owner's page asks for.
+            with_data: Whether to link the API responses that the page requests first.
         """
         page = self.index.read_text(encoding="utf-8")
         for preload in self._preloads:

@@ -1,4 +1,4 @@
-"""What browsers load at once with a page: its code, its styles and its first data.
+"""Preload links of pages: scripts, styles and first API responses.
 
 Without it they would come one after the other: the page, its entry, the code of what it shows, and
 then the data.
@@ -36,9 +36,9 @@ class Preload:
         if match is None:
             return None
         shown = match[1] if self.path.groups else ""
-        data = [one.replace("{id}", shown) for one in self.data] if with_data else []
+        data = [url.replace("{id}", shown) for url in self.data] if with_data else []
         return self.files + "".join(
-            f'<link rel="preload" as="fetch" crossorigin href="{escape(one)}">' for one in data
+            f'<link rel="preload" as="fetch" crossorigin href="{escape(url)}">' for url in data
         )
 
 
@@ -53,12 +53,12 @@ def read_preloads(folder: Path) -> list[Preload]:
             "".join(
                 [
                     *(
-                        f'<link rel="modulepreload" crossorigin href="/{one}">'
-                        for one in page["scripts"]
+                        f'<link rel="modulepreload" crossorigin href="/{script}">'
+                        for script in page["scripts"]
                     ),
                     *(
-                        f'<link rel="preload" as="style" crossorigin href="/{one}">'
-                        for one in page["styles"]
+                        f'<link rel="preload" as="style" crossorigin href="/{style}">'
+                        for style in page["styles"]
                     ),
                 ]
             ),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -27,7 +28,7 @@ MIXTURES = (0.0, 0.25, 0.5, 0.75, 1.0)
 """Shares of the start policy's weights in the mixtures that are tried."""
 
 _MIXTURE_GAMES = 24
-"""Games that judge each mixture."""
+"""Games that judge each mixture, at most."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,8 @@ class ImitationTask:
         perfect: The perfect demonstrations; episodes may begin in them as in the best ranked ones.
         start_policy: File of the policy that a warm start begins with: the run's clone, or an
             earlier run's imitator.
+        mixes_start: Whether it may be mixed with the policy that ships, see
+            PolicyRecipe.mixed_start; an earlier run's imitator is continued as it is.
     """
 
     game: Game
@@ -58,6 +61,7 @@ class ImitationTask:
     behaviour: Behaviour | None = None
     perfect: Sequence[Recording] = ()
     start_policy: Path | None = None
+    mixes_start: bool = True
 
 
 @dataclass(frozen=True)
@@ -151,41 +155,40 @@ def best_mixture(
 
     The clone has learned from that policy with the same convolutions, so that weights between
     theirs act between theirs: some do what the demonstrations do and have not forgotten to
-    survive (Wortsman et al. 2022, Robust fine-tuning of zero-shot models, section 3). The best is
-    that whose sampled games from training starts have the highest shaped return.
+    survive (Wortsman et al. 2022, Robust fine-tuning of zero-shot models, section 3). The best
+    mixture has the highest mean shaped return over sampled games from training starts.
 
     Args:
         task: What the imitator is trained from.
-        start: The policy that a warm start begins with.
+        start: The policy that a warm start begins with; it stays as it is.
         shaping: The reward.
         on_step: Called after every step of the games; what it raises ends them.
     """
     shipped = pretrained_policy(0.0).state_dict()
-    # Copies, since the start policy takes on the weights of each mixture.
-    learned = {name: one.cpu().clone() for name, one in start.state_dict().items()}
-    starts = spread_starts(training_starts(task.game, task.recipe), _MIXTURE_GAMES)
-    rng = np.random.default_rng(_SNAPSHOT_OPENINGS)
-    opened = [task.game.starts.draw_opening(one, rng) for one in starts]
+    learned = {name: weight.cpu() for name, weight in start.state_dict().items()}
+    mixed = deepcopy(start).cpu()
     best: tuple[float, dict[str, Tensor]] | None = None
     for share in MIXTURES:
-        weights = {name: (1 - share) * shipped[name] + share * learned[name] for name in shipped}
-        start.load_state_dict(weights)
+        weights = {
+            name: (1 - share) * weight + share * learned[name] for name, weight in shipped.items()
+        }
+        mixed.load_state_dict(weights)
         games = play(
             task.game,
-            Policy(start),
-            opened,
+            Policy(mixed),
+            _spread_starts(task.game, task.recipe, _MIXTURE_GAMES),
             "sampled",
             sticky_action_probability=task.recipe.policy.sticky_action_probability,
             model=shaping.model,
             end_rule=task.recipe.ending,
             progress=CallbackProgress(on_step),
         )
-        found = mean_return(games, shaping)
-        if best is None or found > best[0]:
-            best = found, weights
+        returned = mean_return(games, shaping)
+        if best is None or returned > best[0]:
+            best = returned, weights
     assert best is not None
-    start.load_state_dict(best[1])
-    return start
+    mixed.load_state_dict(best[1])
+    return mixed
 
 
 def mean_return(games: Sequence[EvaluatedGame], shaping: RewardShaping) -> float:
@@ -198,9 +201,13 @@ def mean_return(games: Sequence[EvaluatedGame], shaping: RewardShaping) -> float
 
 def snapshot_starts(game: Game, recipe: Recipe) -> list[Start | Opening]:
     """Return the starts that snapshots are judged from, spread over all training starts."""
-    policy = recipe.policy
-    starts = spread_starts(training_starts(game, recipe), policy.snapshot_episodes)
-    n_openings = round(policy.opening_share * len(starts))
+    return _spread_starts(game, recipe, recipe.policy.snapshot_episodes)
+
+
+def _spread_starts(game: Game, recipe: Recipe, count: int) -> list[Start | Opening]:
+    """Return at most so many training starts, a share of them with openings as in training."""
+    starts = spread_starts(training_starts(game, recipe), count)
+    n_openings = round(recipe.policy.opening_share * len(starts))
     rng = np.random.default_rng(_SNAPSHOT_OPENINGS)
     return [game.starts.draw_opening(start, rng) for start in starts[:n_openings]] + [
         *starts[n_openings:]

@@ -29,12 +29,7 @@ from trainer.policy.imitation import (
     evaluate_snapshot,
     training_starts,
 )
-from trainer.policy.networks import (
-    Policy,
-    ScreenPolicy,
-    load_network,
-    save_policy,
-)
+from trainer.policy.networks import Policy, ScreenPolicy, load_network, save_policy
 from trainer.policy.ppo import ImitationPPO, TrainingGenerators
 from trainer.policy.reward_shaping import RewardShaping
 from trainer.policy.vec_env import FinishedEpisode, TrilVecEnv
@@ -291,16 +286,14 @@ class _TrainingCallback(BaseCallback):
             if self._task.recipe.policy.kl_coef:
                 ppo.start_policy = start
             if not ppo.num_timesteps:
-                ppo.policy.load_state_dict(self._begun(start).state_dict())
+                ppo.policy.load_state_dict(self._initial_policy(start).state_dict())
         self._reporter.on_step()
 
-    def _begun(self, start: ScreenPolicy) -> ScreenPolicy:
+    def _initial_policy(self, start: ScreenPolicy) -> ScreenPolicy:
         """Return the policy that PPO begins with: the start policy, or a mixture with it."""
-        if not self._task.recipe.policy.mixed_start:
+        if not (self._task.recipe.policy.mixed_start and self._task.mixes_start):
             return start
-        return best_mixture(self._task, start, self._env.reward_shaping, self._reporter.on_step).to(
-            self._ppo.device
-        )
+        return best_mixture(self._task, start, self._env.reward_shaping, self._reporter.on_step)
 
     def _on_rollout_start(self) -> None:
         if self._rollouts:

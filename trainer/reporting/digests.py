@@ -48,8 +48,8 @@ def inference_digest() -> str:
 def _pretrained_weights(recipe: Recipe | RewardRecipe) -> list[Path]:
     if isinstance(recipe, RewardRecipe):
         return [WEIGHTS] if recipe.pretrained else []
-    begins_with_it = recipe.cloning.pretrained or recipe.policy.mixed_start
-    policy = [PRETRAINED] if begins_with_it else []
+    uses_pretrained_policy = recipe.cloning.pretrained or recipe.policy.mixed_start
+    policy = [PRETRAINED] if uses_pretrained_policy else []
     return _pretrained_weights(recipe.reward) + policy
 
 

@@ -246,9 +246,9 @@ def _beside_clone(targets: Interval, clone: PolicySummary | None) -> str:
 
 def _lost(death_rate: Interval) -> str:
     if death_rate.mean == 0:
-        return "It loses no game."
+        return "The imitator loses no game."
     often = "most" if death_rate.mean > MOST_LOST else "some"
-    return f"It loses {often} of its games ({_percent(death_rate.mean)})."
+    return f"The imitator loses {often} of its games ({_percent(death_rate.mean)})."
 
 
 def _mistakes(imitator: PolicySummary) -> str:
@@ -258,7 +258,7 @@ def _mistakes(imitator: PolicySummary) -> str:
         mistakes.append(f"other aliens ({_mean(strays)} a game)")
     if order_errors >= _SHOWN_MISTAKES:
         mistakes.append(f"targets out of order ({_mean(order_errors)} a game)")
-    return f"It also hits {' and '.join(mistakes)}." if mistakes else ""
+    return f"The imitator also hits {' and '.join(mistakes)}." if mistakes else ""
 
 
 def _mean_of(figure: Interval | None) -> float:

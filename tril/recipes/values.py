@@ -159,8 +159,9 @@ class PolicyRecipe:
             demonstrations.
         warm_start: Whether the policy starts from the run's clone, or from the imitator of the
             run that it continues, which has to use the same network.
-        mixed_start: Whether a warm start is from a mixture of that policy and the one that ships
-            with Tril, which has learned to survive; see trainer.policy.imitation.best_mixture.
+        mixed_start: Whether a warm start from the clone is from a mixture of it with the policy
+            that ships with Tril, which has learned to survive; see
+            trainer.policy.imitation.best_mixture.
         kl_coef: Initial coefficient of the KL divergence from that policy; it falls linearly to
             zero over the training. Without a warm start there is none.
         freeze_convolutions: Whether the convolutions stay as the start policy has them and only
@@ -226,6 +227,8 @@ class PolicyRecipe:
                 "mixed_start=true needs freeze_convolutions=true and the network 'small': set"
                 " both, or mixed_start=false"
             )
+        if self.mixed_start and self.kl_coef:
+            raise ValueError("mixed_start=true needs kl_coef=0: set it, or mixed_start=false")
         return self
 
 

@@ -22,12 +22,12 @@ async function fetchBehaviour(client: QueryClient, id: number): Promise<void> {
 }
 
 const inBehaviour =
-  (page: { load: () => Promise<unknown> }, beside: Load = () => []): Load =>
+  (page: { load: () => Promise<unknown> }, furtherLoads: Load = () => []): Load =>
   (client, id) => [
     page.load(),
     fetchBehaviour(client, Number(id)),
     client.query(behavioursQuery),
-    ...beside(client, id),
+    ...furtherLoads(client, id),
   ];
 
 /** By the same paths as in preloads.json. */

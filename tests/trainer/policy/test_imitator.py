@@ -167,6 +167,19 @@ def test_a_training_begins_with_its_mixed_start(task: ImitationTask, tmp_path: P
     assert torch.allclose(learned["action_net.bias"], mixed.state_dict()["action_net.bias"])
 
 
+def test_an_imitator_that_is_continued_is_not_mixed(
+    task: ImitationTask, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(imitator, "best_mixture", lambda *_: pytest.fail("mixed"))
+    recipe = tiny_recipe(mixed_start=True, kl_coef=0.0, critic_warm_up_steps=2 * STEPS)
+    continued = replace(task, recipe=recipe, mixes_start=False)
+    assert continued.start_policy is not None
+    train_imitator(continued, tmp_path / "imitator.zip", tmp_path, NullProgress())
+    learned = load_network(tmp_path / "imitator.zip").state_dict()
+    start = load_network(continued.start_policy).state_dict()
+    assert torch.allclose(learned["action_net.bias"], start["action_net.bias"])
+
+
 def test_snapshots_are_judged_on_training_starts_only() -> None:
     for count in (1, 12, 96, 200):
         starts = snapshot_starts(

@@ -58,3 +58,8 @@ def test_a_mixed_start_has_the_convolutions_of_the_policy_that_ships(
     with pytest.raises(Invalid, match="mixed_start=true needs freeze_convolutions=true"):
         with_values(ANY, without)
     assert not with_values(ANY, {"policy.mixed_start": False, **without}).policy.mixed_start
+
+
+def test_a_mixed_start_holds_ppo_to_nothing() -> None:
+    with pytest.raises(Invalid, match="mixed_start=true needs kl_coef=0"):
+        with_values(ANY, {"policy.kl_coef": 0.03})

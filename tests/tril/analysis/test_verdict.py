@@ -60,7 +60,7 @@ def test_a_run_that_went_well_is_praised_with_its_figures() -> None:
     assert said.sentence == "The imitator hits 5.8 of 6 targets, the best demonstration 6."
     assert said.details == (
         "The 95% interval is 5.5 to 5.9, over 20 games."
-        " The clone hits 1.5: the imitator is clearly better. It loses no game."
+        " The clone hits 1.5: the imitator is clearly better. The imitator loses no game."
     )
     assert said.advice.startswith("It plays about as well as the best demonstration.")
 
@@ -90,7 +90,7 @@ def test_one_that_loses_most_games_is_to_see_them_ranked() -> None:
     lost = headline(games([5, 6], lost=0.6), games([1, 2]))
     said = verdict(replace(DONE, headline=lost))
     assert (said.tone, said.next_step) == ("bad", "teach")
-    assert said.details.endswith("It loses most of its games (60%).")
+    assert said.details.endswith("The imitator loses most of its games (60%).")
     assert "games that it loses" in said.advice
 
 
@@ -110,7 +110,7 @@ def test_one_that_also_hits_what_it_should_not_is_not_praised(
 ) -> None:
     said = verdict(replace(DONE, headline=headline(games([6], **mistakes), games([1]))))
     assert (said.tone, said.next_step) == ("fair", "teach")
-    assert f"It also hits {what}." in said.details
+    assert f"The imitator also hits {what}." in said.details
     assert said.advice.startswith("Teach it more: rank games in which it hits")
 
 
@@ -169,4 +169,4 @@ def test_without_target_cells_nothing_is_counted() -> None:
 
 def test_one_game_is_counted_in_the_singular() -> None:
     said = verdict(replace(DONE, headline=headline(games([3], n=1), None)))
-    assert "3.0 to 3.0, over 1 game. It" in said.details
+    assert "3.0 to 3.0, over 1 game. The imitator" in said.details

@@ -123,7 +123,8 @@ def learn_clone(data: RunData, progress: Progress) -> None:
 def learn_imitator(data: RunData, progress: Progress) -> RunOutcome:
     """Train the imitator as its recipe says, from its checkpoint if there is one; keep it.
 
-    PPO begins with the run's clone, or with the imitator of the run that it continues.
+    PPO begins with the run's clone or, as the recipe says, with a mixture of it with the policy
+    that ships with Tril; or with the imitator of the run that it continues.
     """
     context = data.context
     task = ImitationTask(
@@ -136,6 +137,7 @@ def learn_imitator(data: RunData, progress: Progress) -> RunOutcome:
         training_seed=context.run.training_seed,
         behaviour=context.behaviour,
         perfect=list(data.recordings(data.snapshot.perfect).values()),
+        mixes_start=context.run.parent_run_id is None,
     )
     folder = context.stage_folder("imitator")
     path = folder / "imitator.zip"
