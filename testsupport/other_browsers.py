@@ -45,6 +45,8 @@ user_pref("datareporting.policy.dataSubmissionEnabled", false);
 
 MINI_BROWSERS = "lib/*/webkit2gtk-4.*/MiniBrowser"
 TIMEOUT_S = 60.0
+AT_REST_S = 0.4
+"""For which a button has not moved before it is clicked."""
 
 Command = Callable[[str, dict[str, Any]], Any]
 
@@ -95,10 +97,21 @@ class OtherBrowser:
         return found[0]
 
     def click(self, kind: Literal["button", "a"], name: str) -> None:
-        """Click the button or link whose name begins so, once it is there and enabled."""
+        """Click the button or link whose name begins so, once it is there, enabled and at rest."""
         sought = f"({json.dumps(kind)}, {json.dumps(name)})"
-        self.until(f"({FIND}){sought} !== null")
-        x, y = self.evaluate(f"({PLACE}){sought}")
+        place: Any = None
+        since = time.monotonic()
+
+        def rests() -> bool:
+            # What loads above it moves it: a click would miss.
+            nonlocal place, since
+            before, place = place, self.evaluate(f"({FIND}){sought} && ({PLACE}){sought}")
+            if place is None or place != before:
+                since = time.monotonic()
+            return time.monotonic() - since >= AT_REST_S
+
+        wait_until(rests, TIMEOUT_S, lambda: f"{name}\n{self.evaluate('document.body.innerText')}")
+        x, y = place
         move = {"type": "pointerMove", "x": x, "y": y, "origin": "viewport"}
         down, up = ({"type": f"pointer{way}", "button": 0} for way in ("Down", "Up"))
         pointer = {"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"}}
