@@ -167,6 +167,7 @@ def best_mixture(
     shipped = pretrained_policy(0.0).state_dict()
     learned = {name: weight.cpu() for name, weight in start.state_dict().items()}
     mixed = deepcopy(start).cpu()
+    starts = _spread_starts(task.game, task.recipe, _MIXTURE_GAMES)
     best: tuple[float, dict[str, Tensor]] | None = None
     for share in MIXTURES:
         weights = {
@@ -176,7 +177,7 @@ def best_mixture(
         games = play(
             task.game,
             Policy(mixed),
-            _spread_starts(task.game, task.recipe, _MIXTURE_GAMES),
+            starts,
             "sampled",
             sticky_action_probability=task.recipe.policy.sticky_action_probability,
             model=shaping.model,

@@ -45,7 +45,7 @@ def test_other_pages_are_as_they_were_built(build: Path, path: str) -> None:
     assert frontend.page(path, with_data=True) == PAGE
 
 
-def test_no_data_is_linked_for_those_who_may_not_read_it(build: Path) -> None:
+def test_participants_get_no_data_links(build: Path) -> None:
     frontend = Frontend(build)
     frontend.find("/")
     page = frontend.page("/behaviours/7/rank", with_data=False)

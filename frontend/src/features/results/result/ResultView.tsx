@@ -2,7 +2,12 @@ import { t } from "@lingui/core/macro";
 
 import type { Behaviour, Run, RunResults } from "@/api/types";
 import { BlindCard } from "@/features/results/blind/BlindCard";
-import { NextStep, VerdictDetails, VerdictSentence } from "@/features/results/run/VerdictView";
+import {
+  NextStep,
+  toneOf,
+  VerdictDetails,
+  VerdictSentence,
+} from "@/features/results/run/VerdictView";
 import { WatchLinks } from "@/features/results/run/WatchLinks";
 import { classes } from "@/lib/classes";
 
@@ -36,7 +41,7 @@ export function ResultView({ run, results, behaviour }: ResultViewProps) {
     );
   return (
     <section
-      className={classes(styles.result, verdict && styles.judged, verdict && styles[verdict.tone])}
+      className={classes(styles.result, verdict && styles.judged, verdict && toneOf(verdict))}
       aria-label={t`Result`}
     >
       {verdict && (

@@ -16,15 +16,17 @@ interface VerdictViewProps {
 /** What came of a run, in plain words, and what to do next. */
 export function VerdictView(props: VerdictViewProps) {
   return (
-    <section
-      className={classes(styles.verdict, styles[props.verdict.tone])}
-      aria-label={t`Verdict`}
-    >
+    <section className={classes(styles.verdict, toneOf(props.verdict))} aria-label={t`Verdict`}>
       <VerdictSentence verdict={props.verdict} />
       <VerdictDetails verdict={props.verdict} />
       <NextStep {...props} />
     </section>
   );
+}
+
+/** Returns the class that gives an element the colour of a verdict, as `--tone`. */
+export function toneOf({ tone }: Verdict): string | undefined {
+  return styles[tone];
 }
 
 /** The result in one sentence. */
