@@ -13,11 +13,6 @@ import { libraryOf } from "../../support/library";
 import { show } from "../../support/page";
 import { Refusal, serve } from "../../support/server";
 
-// Charts need a canvas, which jsdom lacks; the browser tests cover them.
-vi.mock("@/features/results/curves/Chart", () => ({
-  Chart: ({ title }: { title: string }) => <figure aria-label={title} />,
-}));
-
 const INTERVAL = { mean: 4.7, low: 3.9, high: 5.4, n: 23 };
 const SUMMARY: PolicySummary = {
   targets: INTERVAL,
