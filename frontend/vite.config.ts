@@ -99,7 +99,9 @@ interface Preload {
   readonly path: string;
   /** The page's module. */
   readonly page: string;
-  /** What the page asks the API for at first; `{id}` is the id. */
+  /** What the id is of: "behaviour", "run" or "recording". */
+  readonly shows?: string;
+  /** What the page asks the API for at first; `{behaviour}`, `{game}`, `{run}` and `{recording}` are filled in. */
   readonly data: readonly string[];
 }
 
@@ -129,12 +131,12 @@ const preloads: Plugin = {
     const firstStyles = new Set(stylesOf(first));
     const source = new URL("preloads.json", import.meta.url);
     const pages = JSON.parse(readFileSync(source, "utf8")) as readonly Preload[];
-    const preloaded = pages.map(({ path, page, data }) => {
+    const preloaded = pages.map(({ path, page, shows, data }) => {
       const chunk = chunks.find((one) => one.facadeModuleId?.endsWith(`/${page}`));
       if (!chunk) throw new Error(`preloads.json: ${page} is no page with a chunk of its own.`);
       const files = new Set([...filesOf(chunk)].filter((name) => !first.has(name)));
       const styles = stylesOf(files).filter((name) => !firstStyles.has(name));
-      return { path, scripts: [...files], styles: [...new Set(styles)], data };
+      return { path, shows, scripts: [...files], styles: [...new Set(styles)], data };
     });
     this.emitFile({
       type: "asset",

@@ -1,12 +1,12 @@
 """What Lighthouse says of the main pages: performance and accessibility, of 100.
 
-    python -m benchmarks.pages.lighthouse [--form mobile] [--rounds 3]
+    python -m benchmarks.pages.lighthouse [--form mobile] [--rounds 3] [--pages run recording]
 
 Serves a data folder of its own with a finished run, signs in with Chromium, and has Lighthouse load
 each page anew, without a cache: as a desktop, or as a phone on a slow network whose processor takes
 four times as long. The first call downloads Lighthouse from npm; it is too large (185 MB) to be
-installed for everybody. Performance is the median over the rounds. Prints a table, what costs
-points, and JSON.
+installed for everybody. Performance is the median over the rounds. Prints a table with what the last
+round's performance is made of, what costs points, and JSON.
 """
 
 from __future__ import annotations
@@ -26,11 +26,19 @@ from server.web.pages import FRONTEND
 from testsupport.browser import ARGUMENTS, find_chromium, install_chromium
 from testsupport.finished_runs import make_finished_run
 from testsupport.live import cookie, live_server
+from testsupport.watching import running_inference
 from testsupport.workplace import make_workplace
 
 LIGHTHOUSE = "lighthouse@12.8.2"
 CATEGORIES = ("performance", "accessibility")
 GOOD = 95
+METRICS = {
+    "FCP": "first-contentful-paint",
+    "LCP": "largest-contentful-paint",
+    "TBT": "total-blocking-time",
+    "CLS": "cumulative-layout-shift",
+    "SI": "speed-index",
+}
 ROOT = Path(__file__).parents[2]
 
 
@@ -77,6 +85,15 @@ def scores(report: dict[str, Any]) -> dict[str, int]:
     return {name: round(100 * report["categories"][name]["score"]) for name in CATEGORIES}
 
 
+def metrics(report: dict[str, Any]) -> str:
+    """Return what the performance is made of, and the element that is the largest."""
+    audits = report["audits"]
+    values = [f"{name} {audits[one]['displayValue']}" for name, one in METRICS.items()]
+    largest = audits["largest-contentful-paint-element"].get("details", {}).get("items", [])
+    shown = [row["node"]["snippet"] for of in largest for row in of["items"] if "node" in row]
+    return ", ".join([*values, *shown[:1]])
+
+
 def losses(report: dict[str, Any]) -> list[str]:
     """Return the titles of the audits that cost a page points."""
     counted = [
@@ -99,6 +116,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--form", choices=("desktop", "mobile"), default="desktop")
     parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--pages", nargs="*", default=(), help="all by default")
     arguments = parser.parse_args()
     install_chromium()
     found: dict[str, dict[str, int]] = {}
@@ -109,6 +127,7 @@ def main() -> None:
         port = free_port()
         with (
             live_server(workplace.settings.data, frontend=FRONTEND) as server,
+            running_inference(workplace),
             sync_playwright() as playwright,
             playwright.chromium.launch_persistent_context(
                 Path(folder) / "profile",
@@ -120,6 +139,8 @@ def main() -> None:
             name, value = cookie(server.settings).split("=", 1)
             context.add_cookies([{"name": name, "value": value, "url": address}])
             for title, path in pages.items():
+                if arguments.pages and title not in arguments.pages:
+                    continue
                 reports = [
                     audit(address + path, port, arguments.form) for _ in range(arguments.rounds)
                 ]
@@ -129,7 +150,12 @@ def main() -> None:
                     for name in CATEGORIES
                 }
                 reasons[title] = losses(reports[-1])
-                print(f"{title:12}", *(f"{name} {found[title][name]}" for name in CATEGORIES))
+                print(
+                    f"{title:12}",
+                    *(f"{name} {found[title][name]}" for name in CATEGORIES),
+                    metrics(reports[-1]),
+                    flush=True,
+                )
         workplace.database.close()
     for title, lost in reasons.items():
         if min(found[title].values()) < GOOD:

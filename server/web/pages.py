@@ -8,18 +8,20 @@ import re
 from pathlib import Path
 from urllib.parse import quote
 
+from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import FileResponse, HTMLResponse, PlainTextResponse, Response
 from starlette.types import Receive, Scope, Send
 
 from server.dependencies import services_of
 from server.web.compression import accepts, compressed, is_compressible
-from server.web.preloads import PRELOADS, Preload, read_preloads
+from server.web.preloads import PRELOADS, Preload, Subject, read_preloads, subject_of
 from server.web.problems import problem
 from server.web.sign_in import join, sign_in
 from server.web.small_pages import SmallPages
 from tril.errors import Unavailable
 from tril.store.access import invitations
+from tril.store.database import Database
 
 FRONTEND = Path(__file__).with_name("static")
 _HASHED = "/assets/"
@@ -90,18 +92,17 @@ class Frontend:
             self._built_at = built_at
         return self._files.get(path)
 
-    def page(self, path: str, with_data: bool) -> str:
-        """Return the application's page for a path, with links to what is needed there.
-
-        Args:
-            path: A path of the application.
-            with_data: Whether to link the API responses that the page requests first.
-        """
-        page = self.index.read_text(encoding="utf-8")
+    def preload(self, path: str) -> tuple[Preload, str] | None:
+        """Return what the page at a path needs, and the id in the path; None for other pages."""
         for preload in self._preloads:
-            if links := preload.links(path, with_data):
-                return page.replace("</head>", f"{links}</head>", 1)
-        return page
+            if match := preload.path.fullmatch(path):
+                return preload, match[1] if preload.path.groups else ""
+        return None
+
+    def page(self, links: str = "") -> str:
+        """Return the application's page with links to what is needed first."""
+        page = self.index.read_text(encoding="utf-8")
+        return page.replace("</head>", f"{links}</head>", 1)
 
     @property
     def stylesheets(self) -> list[str]:
@@ -173,8 +174,18 @@ class Pages:
         identity = await services_of(request).access.identify(request)
         if identity is None:
             return _not_signed_in(request, self._small(request))
-        # Participants may not ask for all of it.
-        page = self._frontend.page(path, with_data=not identity.is_participant)
+        links = ""
+        if found := self._frontend.preload(path):
+            preload, shown = found
+            # Participants may not ask for all of the data.
+            if identity.is_participant:
+                links = preload.files
+            else:
+                database = services_of(request).database
+                links = preload.links(
+                    await run_in_threadpool(_subject_of, database, preload.shows, shown)
+                )
+        page = self._frontend.page(links)
         return HTMLResponse(page, headers={"Cache-Control": "no-store"})
 
     async def _file(
@@ -202,3 +213,8 @@ def _not_signed_in(request: Request, pages: SmallPages) -> Response:
     path = quote("/" + request.url.path.lstrip("/"))
     head = f'\n<meta http-equiv="refresh" content="0; url={path}">' * again
     return pages.key_page(pages.texts.signed_out, pages.texts.signed_out_why, head)
+
+
+def _subject_of(database: Database, shows: str | None, shown: str) -> Subject:
+    with database.reading() as session:
+        return subject_of(session, shows, shown)

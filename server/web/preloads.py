@@ -8,9 +8,21 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
+from urllib.parse import quote
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from server.dependencies import MAX_ID
+from tril.store.models import BehaviourRow, RecordingRow, RunRow
+
+Subject = Mapping[str, str]
+"""What a page is about: "behaviour", "game", "run" and "recording", as far as they are known."""
 
 PRELOADS = "preloads.json"
 """Where the build writes which files a page needs; see ``frontend/vite.config.ts``."""
@@ -22,24 +34,52 @@ class Preload:
 
     Attributes:
         path: Matches its addresses; the group, if any, is the id of what it shows.
+        shows: What the id is of: "behaviour", "run" or "recording"; None without one.
         files: Links to its scripts and styles, as HTML.
-        data: Paths of the API; ``{id}`` stands for the id.
+        data: Paths of the API; names in braces stand for the values of a ``Subject``.
     """
 
     path: re.Pattern[str]
+    shows: str | None
     files: str
     data: tuple[str, ...]
 
-    def links(self, path: str, with_data: bool) -> str | None:
-        """Return HTML for the head of the page at a path, None if it is another page."""
-        match = self.path.fullmatch(path)
-        if match is None:
-            return None
-        shown = match[1] if self.path.groups else ""
-        data = [url.replace("{id}", shown) for url in self.data] if with_data else []
+    def links(self, subject: Subject) -> str:
+        """Return HTML for the head of the page, without data of which the subject says too little."""
+        data = []
+        for path in self.data:
+            with suppress(KeyError):
+                data.append(path.format_map(subject))
         return self.files + "".join(
-            f'<link rel="preload" as="fetch" crossorigin href="{escape(url)}">' for url in data
+            f'<link rel="preload" as="fetch" crossorigin href="{escape(path)}">' for path in data
         )
+
+
+def subject_of(session: Session, shows: str | None, shown: str) -> Subject:
+    """Return what a page is about: the id that it shows, and its behaviour and game, if there are any.
+
+    Args:
+        session: Database session.
+        shows: See Preload.
+        shown: The id of it in the page's address.
+    """
+    if shows is None:
+        return {}
+    subject = {shows: shown}
+    behaviour_id: int | None
+    if shows == "run":
+        behaviour_id = session.scalar(select(RunRow.behaviour_id).where(RunRow.id == shown))
+    elif int(shown) > MAX_ID:
+        return subject
+    elif shows == "recording":
+        of_recording = select(RecordingRow.behaviour_id).where(RecordingRow.id == int(shown))
+        behaviour_id = session.scalar(of_recording)
+    else:
+        behaviour_id = int(shown)
+    behaviour = session.get(BehaviourRow, behaviour_id) if behaviour_id else None
+    if behaviour is None:
+        return subject
+    return subject | {"behaviour": str(behaviour.id), "game": quote(behaviour.game, safe="")}
 
 
 def read_preloads(folder: Path) -> list[Preload]:
@@ -50,6 +90,7 @@ def read_preloads(folder: Path) -> list[Preload]:
     return [
         Preload(
             re.compile(page["path"]),
+            page.get("shows"),
             "".join(
                 [
                     *(

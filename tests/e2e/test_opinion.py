@@ -60,6 +60,7 @@ def test_a_misplaced_game_is_moved_where_the_others_suggest(page: Page, misplace
         expect(tier.get_by_text(re.compile("^The others suggest tier"))).to_be_visible()
     expect(page.get_by_text(re.compile("^Probably tier"))).to_have_count(4)
     card = page.get_by_role("article", name=f"Recording {misplaced}", exact=True)
+    card.get_by_text(re.compile("^The others suggest tier")).click()
     move = card.get_by_role("button", name=re.compile(r"^Move to tier \d"))
     expect(card).to_contain_text("By what it hits, it belongs higher")
     width = page.evaluate("document.documentElement.scrollWidth")

@@ -177,7 +177,7 @@ def _problem(error: ErrorDetails) -> str:
     """Name the refused value, what it must be and what it was."""
     path, context = [str(key) for key in error["loc"][:2]], error.get("ctx", {})
     if error["type"] == "value_error":
-        return f"{path[0]}: {context['error']}."
+        return ": ".join([*path[:1], f"{context['error']}."])
     hint: Any = Recipe
     for name in path:
         hint = get_type_hints(hint, include_extras=True)[name]

@@ -349,6 +349,15 @@ class Recipe:
     gail: GailRecipe = GailRecipe()
     ordered_steps: CountOrNone = 0
 
+    @model_validator(mode="after")
+    def _check_method(self) -> Recipe:
+        if self.method == "gail" and self.policy.mixed_start:
+            raise ValueError(
+                "method 'gail' has no learned reward to judge mixtures by: set"
+                " policy.mixed_start=false"
+            )
+        return self
+
     def proposed_steps(self, *, ordered: bool) -> int:
         """Return the training steps to propose for a behaviour.
 

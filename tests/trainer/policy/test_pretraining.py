@@ -60,6 +60,12 @@ def test_a_mixed_start_has_the_convolutions_of_the_policy_that_ships(
     assert not with_values(ANY, {"policy.mixed_start": False, **without}).policy.mixed_start
 
 
+def test_a_mixed_start_is_judged_by_a_learned_reward() -> None:
+    with pytest.raises(Invalid, match="set policy.mixed_start=false"):
+        with_values(ANY, {"method": "gail"})
+    assert with_values(ANY, {"method": "gail", "policy.mixed_start": False}).method == "gail"
+
+
 def test_a_mixed_start_holds_ppo_to_nothing() -> None:
     with pytest.raises(Invalid, match="mixed_start=true needs kl_coef=0"):
         with_values(ANY, {"policy.kl_coef": 0.03})

@@ -647,6 +647,7 @@ describe("what the other games suggest", () => {
   it("names a contradiction and moves the game where they suggest", async () => {
     let games = [game(contradiction)];
     const server = await open({ tiers: [[1], [2], [3]] }, () => ({ games }));
+    await userEvent.click(await screen.findByText("The others suggest tier 1"));
     expect(
       await screen.findByText(
         "By what it hits, it belongs higher: about tier 1. It is " +
@@ -667,6 +668,7 @@ describe("what the other games suggest", () => {
       revision: 7,
       games: [game(contradiction)],
     }));
+    await userEvent.click(await screen.findByText("The others suggest tier 1"));
     const move = await screen.findByRole("button", { name: "Move to tier 1: Recording 3" });
     expect(move).toHaveAttribute("aria-disabled", "true");
     await userEvent.click(move);
@@ -677,6 +679,7 @@ describe("what the other games suggest", () => {
     const server = await open({ tiers: [[1], [2], [3]] }, () => ({
       games: [game(contradiction)],
     }));
+    await userEvent.click(await screen.findByText("The others suggest tier 1"));
     await userEvent.click(await screen.findByRole("button", { name: "Keep it here: Recording 3" }));
     expect(screen.queryByRole("group", { name: "Contradiction at Recording 3" })).toBeNull();
     expect(card(3).getByRole("button", { name: "Move Recording 3" })).toHaveFocus();

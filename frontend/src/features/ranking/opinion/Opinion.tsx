@@ -28,21 +28,35 @@ export function Opinion({ opinion, tier, kept, current, onMove, onKeep }: Opinio
   const nameOf = useRecordingName();
   const name = nameOf(opinion.recording_id);
   const others = against.map((id) => nameOf(id));
+  const scale = (
+    <span className={styles.scale} aria-hidden="true">
+      <i
+        className={styles.band}
+        style={{ insetInlineStart: along(best), inlineSize: along(worst - best) }}
+      />
+      <i className={styles.tick} style={{ insetInlineStart: along(place) }} />
+    </span>
+  );
+  if (tier === null || against.length === 0 || kept) {
+    return (
+      <div className={styles.opinion}>
+        <p className={styles.place}>
+          {scale}
+          {placeText(tier, opinion)}
+        </p>
+      </div>
+    );
+  }
   return (
     <div className={styles.opinion}>
-      <p className={styles.place}>
-        <span className={styles.scale} aria-hidden="true">
-          <i
-            className={styles.band}
-            style={{ insetInlineStart: along(best), inlineSize: along(worst - best) }}
-          />
-          <i className={styles.tick} style={{ insetInlineStart: along(place) }} />
-        </span>
-        {placeText(tier, opinion)}
-      </p>
-      {tier !== null && against.length > 0 && !kept && (
-        <div role="group" aria-label={t`Contradiction at ${name}`} className={styles.contradiction}>
+      {/* As high as the line without a contradiction: it comes while cards are dragged. */}
+      <details className={styles.contradiction} aria-label={t`Contradiction at ${name}`}>
+        <summary className={styles.place}>
+          {scale}
           <Icon name="alert" />
+          {placeText(tier, opinion)}
+        </summary>
+        <div className={styles.reason}>
           <p>
             {opinion.tier < tier ? (
               <Trans>
@@ -81,7 +95,7 @@ export function Opinion({ opinion, tier, kept, current, onMove, onKeep }: Opinio
             </Button>
           </div>
         </div>
-      )}
+      </details>
     </div>
   );
 }
