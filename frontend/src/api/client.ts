@@ -116,7 +116,8 @@ export async function fetchFile(
   signal?: AbortSignal,
   limitMs = PATIENT_MS,
 ): Promise<Response> {
-  const response = await trackedFetch(url, { signal: signal ?? null }, limitMs);
+  // The page's words come first.
+  const response = await trackedFetch(url, { signal: signal ?? null, priority: "low" }, limitMs);
   if (!response.ok) throw problemOf(response, await bodyOf(response));
   return response;
 }

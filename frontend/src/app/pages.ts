@@ -1,5 +1,5 @@
 /** The pages. Each is loaded on demand; `preloads.json` says which the server has loaded first. */
-import { onDemand } from "./on-demand";
+import { onDemand } from "@/lib/on-demand";
 
 export const HomePage = onDemand(
   async () => (await import("@/features/behaviours/HomePage")).HomePage,

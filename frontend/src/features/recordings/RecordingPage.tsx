@@ -102,7 +102,7 @@ export function RecordingPage({
           />
         ) : (
           // What is beside it stays below it on a phone.
-          <Loading what={t`the recording`} rows={1} height="max(24rem, 80dvh)" />
+          <Loading what={t`the recording`} rows={1} height="100dvh" />
         )}
         <aside className={styles.side} aria-label={t`About this recording`}>
           <Facts recording={recording} behaviour={behaviour} />

@@ -22,7 +22,7 @@ async function open(change: Partial<Behaviour>, patch: () => unknown = () => beh
   });
   const { router } = show(<EditBehaviour behaviour={one} />);
   await userEvent.click(screen.getByRole("button", { name: "Edit the behaviour" }));
-  const dialog = within(screen.getByRole("dialog", { name: "Edit the behaviour" }));
+  const dialog = within(await screen.findByRole("dialog", { name: "Edit the behaviour" }));
   const sent = (method: string) => asked.filter((one) => one.method === method);
   return { dialog, router, sent };
 }
