@@ -49,6 +49,12 @@ export function ResultView({ run, results, behaviour }: ResultViewProps) {
           <VerdictSentence verdict={verdict} />
         </section>
       )}
+      {verdict && (
+        <section className={styles.further} aria-label={t`What to do next`}>
+          <VerdictDetails verdict={verdict} />
+          <NextStep verdict={verdict} run={run} results={results} behaviour={behaviour} />
+        </section>
+      )}
       <div className={styles.games}>
         {/* Other games are another player. */}
         <GamesInStep
@@ -58,12 +64,6 @@ export function ResultView({ run, results, behaviour }: ResultViewProps) {
           {...games}
         />
       </div>
-      {verdict && (
-        <section className={styles.further} aria-label={t`What to do next`}>
-          <VerdictDetails verdict={verdict} />
-          <NextStep verdict={verdict} run={run} results={results} behaviour={behaviour} />
-        </section>
-      )}
       {understood && <div className={styles.understood}>{understood}</div>}
       <div className={styles.figures}>
         <Figures results={results} behaviour={behaviour} />
