@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from trainer.sharing.words import measure_title, measure_value
 from tril.analysis.blind import BlindResult
+from tril.analysis.outcome import Headline
 from tril.analysis.summary import Interval, PolicySummary
 from tril.games.base import Game
 from tril.games.behaviours import Behaviour
@@ -89,7 +90,8 @@ def figures_of(
     n_targets = None if behaviour.target is None else len(behaviour.target)
     summary = list(_summary(evaluations.summaries(games, n_targets), behaviour, game))
     measures = list(_measures(behaviour, game, games, demonstrations))
-    figures = [*summary, *measures] if behaviour.target else [*measures, *summary]
+    understood = list(_understood(run.outcome.headline))
+    figures = [*summary, *measures] if behaviour.target else [*measures, *understood, *summary]
     if blind is not None:
         figures.insert(1 if behaviour.target or measures else 0, _blind(blind))
     if (check := run.outcome.check) is not None:
@@ -105,6 +107,27 @@ def _blind(blind: BlindResult) -> Figure:
     share = blind.share
     name = "Closer to what was meant (blind comparison)"
     return Figure(name, f"{share.mean:.0%}", others, share)
+
+
+def _understood(headline: Headline | None) -> Iterator[Figure]:
+    shares = headline and headline.understood
+    if not shares or shares.imitator is None:
+        return
+    others = tuple(
+        OtherPlayer(actor, _share(share), share)
+        for actor, share in (("clone", shares.clone), ("person", shares.best))
+        if share is not None
+    )
+    high = max(
+        1.0, shares.imitator.high, *(other.interval.high for other in others if other.interval)
+    )
+    name = "What Tril understood, of a whole game"
+    yield Figure(name, _share(shares.imitator), others, shares.imitator, 0.0, high)
+
+
+def _share(share: Interval) -> str:
+    # A game in which nothing is right may be worth less than one that is over.
+    return f"{max(share.mean, 0.0):.0%}"
 
 
 def _summary(

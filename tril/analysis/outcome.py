@@ -11,7 +11,7 @@ from typing import Self
 
 from pydantic import BaseModel, ConfigDict
 
-from tril.analysis.summary import PolicySummary
+from tril.analysis.summary import Interval, PolicySummary
 
 
 class Stored(BaseModel):
@@ -224,11 +224,32 @@ class ExampleOutcome(Stored):
     tau: float
 
 
+class UnderstoodShares(Stored):
+    """How much games show of what Tril understood of a ranking, by the reward model.
+
+    1 is a whole game in which every step is as good as the best demonstrations' steps are on
+    average. A game that ends early earns nothing for the rest of its time.
+
+    Attributes:
+        imitator: The imitator's games, those of the headline; None if it has played none.
+        clone: The clone's.
+        best: The perfect demonstrations, or the best ranked ones that stand in for them.
+    """
+
+    imitator: Interval | None
+    clone: Interval | None
+    best: Interval
+
+
 class Headline(CheckFigures):
-    """A run's figures for the lists: greedy games from held-out evaluation starts."""
+    """A run's figures for the lists: greedy games from held-out evaluation starts.
+
+    ``understood`` is None of rewards that are no statements, and in runs of earlier versions.
+    """
 
     imitator: PolicySummary | None
     clone: PolicySummary | None
+    understood: UnderstoodShares | None = None
 
 
 class RunOutcome(Stored):

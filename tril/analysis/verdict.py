@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from tril.analysis.outcome import Headline
+from tril.analysis.outcome import Headline, UnderstoodShares
 from tril.analysis.summary import Interval, PolicySummary
 
 Ended = Literal["done", "stopped", "failed", "cancelled"]
@@ -15,12 +15,19 @@ NextStep = Literal["rank", "teach", "train", "games"]
 the run's games to watch."""
 
 GOOD_SHARE = 0.9
-"""Share of the best demonstration's targets from which on an imitator has learned it."""
+"""Share of the best demonstration's targets, or of what the best demonstrations show of what was
+understood, from which on an imitator has learned it."""
+SURE = 0.5
+"""Probability of the likeliest statement below which nobody can tell what was learned."""
 MOST_LOST = 0.5
 """Death rate above which most games are lost."""
 FEW_LOST = 0.25
 FEW_MISTAKES = 0.25
 """Strays and order errors per game, together, up to which an imitator still counts as good."""
+_ALARMED = (
+    "Its reward rose while its games did not get better. Rank some of its games where they belong,"
+    " and train again."
+)
 _SHOWN_MISTAKES = 0.05
 """Mean per game from which on they are named: less would be shown as 0.0."""
 
@@ -39,6 +46,8 @@ class RunFigures:
         best_targets: Targets that the best demonstration hits; None if that is not known.
         headline: The greedy games from held-out starts; None before they were played.
         is_alarmed: Whether the reward may be hacked.
+        sureness: Probability of the likeliest statement about the order; None if there is none, or
+            if a person has said what is meant.
     """
 
     ended: Ended
@@ -50,6 +59,7 @@ class RunFigures:
     best_targets: int | None
     headline: Headline | None
     is_alarmed: bool
+    sureness: float | None = None
 
 
 @dataclass(frozen=True)
@@ -78,7 +88,11 @@ def verdict(run: RunFigures) -> Verdict:
     if imitator is None:
         return _without_games(run)
     if run.n_targets is None or imitator.targets is None:
-        return _without_targets(imitator, clone)
+        assert run.headline is not None
+        understood = run.headline.understood
+        if understood is None or understood.imitator is None:
+            return _without_targets(imitator, clone)
+        return _by_statement(run, imitator, understood.imitator, understood)
     if is_too_short(run.steps, run.warm_up_steps):
         return Verdict(
             "bad",
@@ -125,14 +139,7 @@ def _advised(
         and lost >= clone.death_rate.mean
     )
     if run.is_alarmed:
-        return Verdict(
-            "bad",
-            sentence,
-            details,
-            "Its reward rose while its games did not get better. Rank some of its games where they"
-            " belong, and train again.",
-            "teach",
-        )
+        return Verdict("bad", sentence, details, _ALARMED, "teach")
     strays, order_errors = _mean_of(imitator.strays), _mean_of(imitator.order_errors)
     makes_mistakes = strays + order_errors > FEW_MISTAKES
     if targets.mean >= GOOD_SHARE * best and lost <= FEW_LOST and not makes_mistakes:
@@ -212,6 +219,55 @@ def _without_games(run: RunFigures) -> Verdict:
             )
 
 
+def _by_statement(
+    run: RunFigures, imitator: PolicySummary, share: Interval, understood: UnderstoodShares
+) -> Verdict:
+    """Return the verdict by what Tril understood, on a behaviour without targets."""
+    best, clone = understood.best, understood.clone
+    is_as_good = share.mean >= GOOD_SHARE * best.mean
+    compared = (
+        "more of what Tril understood than"
+        if share.low > best.mean
+        else "as much of what Tril understood as"
+        if is_as_good
+        else "less of what Tril understood than"
+    )
+    sentence = (
+        f"The imitator shows {compared} your best games: {_percent(share.mean)} against"
+        f" {_percent(best.mean)}."
+    )
+    details = " ".join(
+        part
+        for part in (
+            "100% is a whole game that is all the time as good as your best ones.",
+            clone and _told_apart(f"The clone shows {_percent(clone.mean)}", share, clone),
+            _lost(imitator.death_rate),
+        )
+        if part
+    )
+    if run.is_alarmed:
+        return Verdict("bad", sentence, details, _ALARMED, "teach")
+    if run.sureness is not None and run.sureness < SURE:
+        return Verdict(
+            "fair",
+            sentence,
+            f"Tril was not sure what you mean: its likeliest guess had {_percent(run.sureness)}."
+            f" {details}",
+            "Say on the rank page what you mean, or rank a few more games, and train again.",
+            "rank",
+        )
+    if is_as_good:
+        advice = "Is it what you meant? Compare its games with others blind."
+        return Verdict("good", sentence, details, advice, "games")
+    is_no_better = clone is not None and share.mean <= clone.mean
+    tone: Tone = "bad" if is_no_better else "fair"
+    if run.steps < run.default_steps:
+        advice = f"Train for longer: the recipe proposes {run.default_steps:,} steps."
+        return Verdict(tone, sentence, details, advice, "train")
+    advice = "Teach it more: rank some of its own games among the others, and train further."
+    return Verdict(tone, sentence, details, advice, "teach")
+
+
 def _without_targets(imitator: PolicySummary, clone: PolicySummary | None) -> Verdict:
     against = "" if clone is None else f", the clone {_percent(clone.death_rate.mean)}"
     n = imitator.death_rate.n
@@ -236,12 +292,15 @@ def _interval(targets: Interval) -> str:
 def _beside_clone(targets: Interval, clone: PolicySummary | None) -> str:
     if clone is None or clone.targets is None:
         return ""
-    hits = f"The clone hits {_mean(clone.targets.mean)}"
-    if targets.low > clone.targets.high:
-        return f"{hits}: the imitator is clearly better."
-    if targets.high < clone.targets.low:
-        return f"{hits}: the imitator is clearly worse."
-    return f"{hits}: the games do not tell them apart."
+    return _told_apart(f"The clone hits {_mean(clone.targets.mean)}", targets, clone.targets)
+
+
+def _told_apart(clone_reaches: str, imitator: Interval, clone: Interval) -> str:
+    if imitator.low > clone.high:
+        return f"{clone_reaches}: the imitator is clearly better."
+    if imitator.high < clone.low:
+        return f"{clone_reaches}: the imitator is clearly worse."
+    return f"{clone_reaches}: the games do not tell them apart."
 
 
 def _lost(death_rate: Interval) -> str:
@@ -270,7 +329,8 @@ def _mean(value: float) -> str:
 
 
 def _percent(share: float) -> str:
-    return f"{share:.0%}"
+    # A game in which nothing is right may be worth less than one that is over.
+    return f"{max(share, 0.0):.0%}"
 
 
 def _games(n: int) -> str:

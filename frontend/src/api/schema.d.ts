@@ -1848,13 +1848,18 @@ export interface components {
             top: number;
             width: number;
         };
-        /** @description A run's figures for the lists: greedy games from held-out evaluation starts. */
+        /**
+         * @description A run's figures for the lists: greedy games from held-out evaluation starts.
+         *
+         *     ``understood`` is None of rewards that are no statements, and in runs of earlier versions.
+         */
         Headline: {
             clone: components["schemas"]["PolicySummary"] | null;
             held_out_accuracy: number | null;
             imitator: components["schemas"]["PolicySummary"] | null;
             pair_accuracy: number;
             tau: number;
+            understood: components["schemas"]["UnderstoodShares"] | null;
         };
         /** @description The server runs; ``failing`` names the background tasks whose last run failed, if any. */
         Health: {
@@ -2912,6 +2917,22 @@ export interface components {
             values: {
                 [key: string]: number;
             };
+        };
+        /**
+         * @description How much games show of what Tril understood of a ranking, by the reward model.
+         *
+         *     1 is a whole game in which every step is as good as the best demonstrations' steps are on
+         *     average. A game that ends early earns nothing for the rest of its time.
+         *
+         *     Attributes:
+         *         imitator: The imitator's games, those of the headline; None if it has played none.
+         *         clone: The clone's.
+         *         best: The perfect demonstrations, or the best ranked ones that stand in for them.
+         */
+        UnderstoodShares: {
+            best: components["schemas"]["Interval"];
+            clone: components["schemas"]["Interval"] | null;
+            imitator: components["schemas"]["Interval"] | null;
         };
         /** @description A statement that fits an order; ``pictures`` are those of its things, if there are any. */
         UnderstoodStatement: {

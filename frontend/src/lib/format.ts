@@ -140,6 +140,11 @@ export function bounds({ low, high }: Interval, digits = 1): string {
   return t`${fixed(low, digits)} to ${fixed(high, digits)}`;
 }
 
+/** Formats a share of what was understood: "88%". A game may be worth less than one that is over. */
+export function wholeShare(share: number): string {
+  return percent(Math.max(0, share), 0);
+}
+
 /** Formats seconds of play: "14.2 s". */
 export function seconds(s: number, digits = 1): string {
   return withUnit(fixed(s, digits), "s");

@@ -85,6 +85,12 @@ def test_a_run_in_any_game_is_learned_and_evaluated(
     is_statement = recipe.reward.method == "statement"
     assert bool(check.statements) == is_statement
     assert [one.meant for one in check.answers] == [True] * is_statement
+    headline = workplace.run(run_id).outcome.headline
+    assert headline is not None
+    assert (headline.understood is not None) == is_statement
+    if headline.understood:
+        assert headline.understood.best.n == 1
+        assert headline.understood.imitator is not None
     # What was said to be meant is part of all that was understood.
     assert all("the game going on" in one.sentence for one in check.statements)
     assert all("time played" in one.subjects for one in check.statements)

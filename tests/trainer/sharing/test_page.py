@@ -18,6 +18,8 @@ from testsupport.workplace import Workplace
 from trainer.sharing import page as sharing
 from trainer.sharing.films import DeadlinePassed, Film, film_of
 from trainer.sharing.page import MAX_BYTES, Parts, SharePage, make_share_page
+from tril.analysis.outcome import UnderstoodShares
+from tril.analysis.summary import Interval
 from tril.errors import Conflict, Invalid
 from tril.files.artifact_store import ArtifactStore
 from tril.games import game_of
@@ -193,6 +195,22 @@ def test_a_run_without_targets_measures_and_demonstrations_has_a_page(
     assert "The order that it learned from" not in page.text
     assert "Death rate" in page.text
     assert len(films(page)) == 1
+
+
+def test_what_was_understood_is_the_first_figure_without_measures(
+    workplace: Workplace, run_id: str
+) -> None:
+    share = Interval(0.88, 0.8, 0.9, 20)
+    with workplace.database.writing() as session:
+        behaviours.get(session, workplace.behaviour_id).target = None
+        run = runs.get(session, run_id)
+        assert run.outcome.headline is not None
+        shares = UnderstoodShares(imitator=share, clone=None, best=Interval(0.31, 0.2, 0.4, 3))
+        headline = run.outcome.headline.model_copy(update={"understood": shares})
+        run.outcome = run.outcome.model_copy(update={"headline": headline})
+    page = Elements(made(workplace, run_id).html.decode())
+    assert "What Tril understood, of a whole game 88% Person 31%" in page.text
+    assert "more of what Tril understood than your best games: 88% against 31%" in page.text
 
 
 def test_measures_are_figures_with_those_of_the_person(workplace: Workplace, run_id: str) -> None:

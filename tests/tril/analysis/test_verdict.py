@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from tril.analysis.outcome import Headline
-from tril.analysis.summary import GameFigures, PolicySummary, summarise
+from tril.analysis.outcome import Headline, UnderstoodShares
+from tril.analysis.summary import GameFigures, Interval, PolicySummary, summarise
 from tril.analysis.verdict import Ended, RunFigures, verdict
 
 
@@ -170,3 +170,54 @@ def test_without_target_cells_nothing_is_counted() -> None:
 def test_one_game_is_counted_in_the_singular() -> None:
     said = verdict(replace(DONE, headline=headline(games([3], n=1), None)))
     assert "3.0 to 3.0, over 1 game. The imitator" in said.details
+
+
+def shares(imitator: float, clone: float, best: float) -> UnderstoodShares:
+    """Return shares whose intervals reach 0.05 to both sides."""
+    of = {
+        name: Interval(mean, mean - 0.05, mean + 0.05, 20)
+        for name, mean in (("imitator", imitator), ("clone", clone), ("best", best))
+    }
+    return UnderstoodShares(**of)
+
+
+def by_statement(understood: UnderstoodShares, lost: float = 0.0) -> RunFigures:
+    """Return a run of a behaviour without targets whose reward is a statement."""
+    shown = headline(games(None, lost), games(None, 1.0))
+    shown = shown.model_copy(update={"understood": understood})
+    return replace(DONE, n_targets=None, best_targets=None, headline=shown, sureness=0.9)
+
+
+def test_without_targets_what_was_understood_is_compared() -> None:
+    said = verdict(by_statement(shares(0.88, 0.27, 0.31), lost=0.1))
+    assert (said.tone, said.next_step) == ("good", "games")
+    assert said.sentence == (
+        "The imitator shows more of what Tril understood than your best games: 88% against 31%."
+    )
+    assert "The clone shows 27%: the imitator is clearly better." in said.details
+    assert "The imitator loses some of its games (10%)." in said.details
+
+
+@pytest.mark.parametrize(
+    ("understood", "compared", "tone"),
+    [
+        (shares(0.70, 0.40, 0.72), "as much of what Tril understood as your best games", "good"),
+        (shares(0.50, 0.40, 0.72), "less of what Tril understood than your best games", "fair"),
+        (shares(0.38, 0.40, 0.72), "less of what Tril understood than your best games", "bad"),
+        (shares(-0.10, 0.00, 0.72), "your best games: 0% against 72%", "bad"),
+    ],
+)
+def test_the_clone_and_the_best_games_set_the_tone(
+    understood: UnderstoodShares, compared: str, tone: str
+) -> None:
+    said = verdict(by_statement(understood))
+    assert compared in said.sentence
+    assert said.tone == tone
+
+
+def test_a_guess_is_praised_no_further_than_it_is_sure() -> None:
+    said = verdict(replace(by_statement(shares(0.88, 0.27, 0.31)), sureness=0.25))
+    assert (said.tone, said.next_step) == ("fair", "rank")
+    assert "its likeliest guess had 25%" in said.details
+    meant = verdict(replace(by_statement(shares(0.88, 0.27, 0.31)), sureness=None))
+    assert meant.tone == "good"

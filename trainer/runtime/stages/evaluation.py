@@ -9,10 +9,12 @@ from trainer.progress import Progress, ScaledProgress
 from trainer.reward.check import final_level
 from trainer.runtime.policy_games import add_game, verify_games
 from trainer.runtime.run_data import RunData
-from tril.analysis.outcome import Headline, RunOutcome
-from tril.games.base import Console
+from tril.analysis.outcome import Headline, RunOutcome, UnderstoodShares
+from tril.analysis.summary import interval
+from tril.games.base import Console, Opening
 from tril.games.behaviours import score
 from tril.recipes import recipe_from_dict
+from tril.store.models import EvaluationRow
 from tril.store.training import evaluations, leases, runs
 from tril.store.training.evaluations import (
     ACTION_SELECTIONS,
@@ -111,8 +113,38 @@ def headline(data: RunData) -> Headline:
         games = evaluations.listing(session, context.run_id)
     target = context.behaviour.target
     summaries = evaluations.summaries(games, None if target is None else len(target))
+    is_statement = context.recipe.reward.method == "statement"
     return Headline(
         **context.run.outcome.check.figures,
         imitator=summaries.get(("imitator", "greedy")),
         clone=summaries.get(("clone", "greedy")),
+        understood=understood_shares(data, games) if is_statement else None,
     )
+
+
+def understood_shares(data: RunData, games: Sequence[EvaluationRow]) -> UnderstoodShares:
+    """Return how much of what was understood games show.
+
+    Args:
+        data: The run.
+        games: Its evaluation games, loaded with their recordings.
+    """
+    context, model = data.context, data.reward_model
+    max_steps = context.game.clock.max_steps
+    shares: dict[str, list[float]] = {policy: [] for policy in POLICIES}
+    for row in games:
+        if not row.held_out or row.action_selection != "greedy" or row.predicted_return is None:
+            continue
+        (beginning,) = beginnings(context.game, context.recipe.evaluation, [row.start_number])
+        # R is of the steps that the policy has played.
+        opening = len(beginning.actions) if isinstance(beginning, Opening) else 0
+        n_steps = evaluations.figures_of(row).steps - opening
+        shares[row.policy].append(
+            model.share_of_game(row.predicted_return, n_steps, max_steps - opening)
+        )
+    best = []
+    for seen in data.perfect_trajectories:
+        rewards = model.score(seen.observations[1:])
+        best.append(model.share_of_game(float(rewards.sum()), len(rewards), max_steps))
+    imitator, clone = (interval(shares[policy]) if shares[policy] else None for policy in POLICIES)
+    return UnderstoodShares(imitator=imitator, clone=clone, best=interval(best))

@@ -6,6 +6,7 @@ from typing import cast
 
 from sqlalchemy.orm import Session
 
+from tril.analysis.outcome import CheckOutcome
 from tril.analysis.reward_alarm import RewardAlarm
 from tril.analysis.verdict import Ended, RunFigures, Verdict, verdict
 from tril.games.behaviours import score
@@ -40,8 +41,16 @@ def verdict_of(session: Session, run: RunRow, alarm: RewardAlarm | None) -> Verd
             best_targets=_best_targets(session, run),
             headline=run.outcome.headline,
             is_alarmed=alarm is not None,
+            sureness=_sureness(run.outcome.check),
         )
     )
+
+
+def _sureness(check: CheckOutcome | None) -> float | None:
+    """Return the probability of the likeliest statement, see ``RunFigures``."""
+    if check is None or not check.statements or any(answer.meant for answer in check.answers):
+        return None
+    return check.statements[0].probability
 
 
 def _best_targets(session: Session, run: RunRow) -> int | None:

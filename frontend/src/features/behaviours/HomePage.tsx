@@ -15,7 +15,7 @@ import { useFirst } from "@/components/list/use-first";
 import { PageTitle } from "@/components/PageTitle";
 import { useOnlyPlays } from "@/components/people/use-only-plays";
 import { Tour } from "@/features/behaviours/tour/Tour";
-import { bounds, fixed } from "@/lib/format";
+import { bounds, fixed, wholeShare } from "@/lib/format";
 import { isActive, statusLine } from "@/lib/runs";
 
 import { ExampleButton } from "./ExampleButton";
@@ -245,6 +245,19 @@ function countsOf(behaviour: Behaviour): string {
 
 function Latest({ run, behaviour }: { run: Run; behaviour: Behaviour }) {
   const targets = run.headline?.imitator?.targets;
+  const shares = run.headline?.understood;
+  if (!isActive(run) && !behaviour.target && shares?.imitator) {
+    return (
+      <p className={styles.result}>
+        <ActorMark actor="imitator">
+          <Trans>Imitator {wholeShare(shares.imitator.mean)} of what Tril understood</Trans>
+        </ActorMark>
+        <ActorMark actor="person">
+          <Trans>Your best games {wholeShare(shares.best.mean)}</Trans>
+        </ActorMark>
+      </p>
+    );
+  }
   if (isActive(run) || !targets || !behaviour.target) {
     return (
       <p className={styles.result}>

@@ -3,7 +3,7 @@
 import { plural, t } from "@lingui/core/macro";
 
 import { type Behaviour, type Run } from "@/api/types";
-import { fixed, percentDone } from "@/lib/format";
+import { fixed, percentDone, wholeShare } from "@/lib/format";
 import { isActive } from "@/lib/runs";
 
 export type StepId = "play" | "rank" | "train" | "look";
@@ -74,6 +74,10 @@ function lookCaption(
   const targets = finished?.headline?.imitator?.targets;
   if (targets && behaviour.target) {
     return t`${fixed(targets.mean, 1)} of ${behaviour.target.length} targets`;
+  }
+  const understood = finished?.headline?.understood?.imitator;
+  if (understood && !behaviour.target) {
+    return t`${wholeShare(understood.mean)} of what is meant`;
   }
   return runs.length === 0
     ? t`what was learned`

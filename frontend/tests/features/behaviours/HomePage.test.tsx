@@ -162,6 +162,20 @@ describe("the first page", () => {
     expect(screen.queryByRole("link", { name: "Play your first game" })).toBeNull();
   });
 
+  it("shows how much of what was understood is played where there are no targets", async () => {
+    const share = (mean: number) => ({ mean, low: mean, high: mean, n: 23 });
+    const understood = { imitator: share(0.88), clone: null, best: share(0.31) };
+    serve({
+      ...OWNER,
+      "GET /api/behaviours": () => [behaviour({ target: null, n_recordings: 8, n_runs: 1 })],
+      "GET /api/runs": () => [run({ status: "done", headline: { ...HEADLINE, understood } })],
+    });
+    show(<HomePage />);
+    const card = await screen.findByRole("article");
+    expect(await within(card).findByText("Imitator 88% of what Tril understood")).toBeVisible();
+    expect(within(card).getByText("Your best games 31%")).toBeVisible();
+  });
+
   it("shows the last result where the latest run was cancelled", async () => {
     serve({
       ...OWNER,

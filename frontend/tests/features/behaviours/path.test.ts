@@ -32,4 +32,18 @@ describe("the path", () => {
     const again = train(running, { ...running, status: "done" });
     expect(again).toMatchObject({ done: true, caption: "Training, 34%" });
   });
+
+  it("ends with how much of what is meant the imitator plays", () => {
+    const share = { mean: 0.876, low: 0.8, high: 0.9, n: 23 };
+    const headline = {
+      tau: 0.9,
+      pair_accuracy: 0.9,
+      held_out_accuracy: null,
+      imitator: null,
+      clone: null,
+      understood: { imitator: share, clone: null, best: share },
+    };
+    const done = { status: "done" as const, progress: 1, headline };
+    expect(pathOf(none, [done])[3]?.caption).toBe("88% of what is meant");
+  });
 });

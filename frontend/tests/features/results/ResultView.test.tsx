@@ -151,7 +151,7 @@ describe("the verdict on a result", () => {
     next_step: "games",
   } as const;
 
-  it("is one sentence over the games; figures and what to do next follow them", async () => {
+  it("is one sentence over the games, with what to do next before them", async () => {
     open({ verdict });
     const games = await screen.findByRole("group", { name: "Games in step" });
     const said = screen.getByRole("region", { name: "Verdict" });
@@ -159,8 +159,8 @@ describe("the verdict on a result", () => {
     const next = screen.getByRole("region", { name: "What to do next" });
     expect(next).toHaveTextContent("It loses no game.Watch some of its games.");
     const { DOCUMENT_POSITION_FOLLOWING: follows } = Node;
-    expect(said.compareDocumentPosition(games) & follows).toBeTruthy();
-    expect(games.compareDocumentPosition(next) & follows).toBeTruthy();
+    expect(said.compareDocumentPosition(next) & follows).toBeTruthy();
+    expect(next.compareDocumentPosition(games) & follows).toBeTruthy();
   });
 
   it("is left to the page where there are no games to stand over", () => {
@@ -310,6 +310,24 @@ describe("what a result says", () => {
     expect(first?.name).toMatch(/held: at least 90% of the time$/);
     expect(first?.value).toBe("98%");
     expect(first?.others.map(({ text }) => text)).toEqual(["90%", "68%"]);
+  });
+
+  it("has what Tril understood first where nothing measures the behaviour", () => {
+    const share = (mean: number) => ({ mean, low: mean - 0.1, high: mean + 0.1, n: 23 });
+    const understood = { imitator: share(0.88), clone: share(-0.02), best: share(0.31) };
+    const headline = { ...CHECK, imitator: null, clone: null, understood };
+    const shown = results(run({ ...ONE, headline }), { check: CHECK });
+    const [first] = figuresOf(shown, behaviour({ target: null }), SPACE_INVADERS);
+    expect(first).toEqual({
+      name: "What Tril understood, of a whole game",
+      value: "88%",
+      others: [
+        { actor: "clone", text: "0%", interval: share(-0.02) },
+        { actor: "person", text: "31%", interval: share(0.31) },
+      ],
+      plot: { interval: share(0.88), low: 0, high: 1 },
+    });
+    expect(figuresOf(shown, behaviour(), SPACE_INVADERS)[0]?.name).not.toMatch(/understood/);
   });
 
   it("has the blind comparison first where nothing measures the behaviour, else second", () => {

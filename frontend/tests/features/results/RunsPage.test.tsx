@@ -47,6 +47,22 @@ describe("the list of runs", () => {
     vi.unstubAllGlobals();
   });
 
+  it("says how much of what was understood is played where there are no targets", async () => {
+    const share = { mean: 0.876, low: 0.81, high: 0.92, n: 23 };
+    const headline = {
+      tau: 0.9,
+      pair_accuracy: 0.9,
+      held_out_accuracy: null,
+      imitator: null,
+      clone: null,
+      understood: { imitator: share, clone: null, best: share },
+    };
+    serve({ "GET /api/runs": () => [run({ status: "done", headline })] });
+    show(<RunsPage behaviour={behaviour({ target: null })} />);
+    expect(await screen.findByRole("columnheader", { name: "Understood" })).toBeVisible();
+    expect(screen.getByRole("cell", { name: /^88%81% to 92%/ })).toBeVisible();
+  });
+
   it("is searched and filtered, and the address keeps it", async () => {
     const { router } = open();
     await userEvent.type(await screen.findByRole("searchbox"), "twice");

@@ -11,7 +11,7 @@ import { IntervalPlot } from "@/features/results/games/IntervalPlot";
 import { MOST_COMPARED } from "@/features/results/compare/compared-runs";
 import { RunStatus } from "@/features/results/RunStatus";
 import { useMedia } from "@/lib/browser/use-media";
-import { bounds, duration, fixed, NONE, percent, shortCount } from "@/lib/format";
+import { duration, fixed, NONE, percent, shortCount, wholeShare } from "@/lib/format";
 import { isActive, queuePlace, runName, shortId, statusLine } from "@/lib/runs";
 
 import styles from "./RunsTable.module.css";
@@ -68,6 +68,15 @@ export function RunsTable({ runs, behaviour, selected, onSelect }: RunsTableProp
                   <Trans>Strays</Trans>
                 </th>
               </>
+            )}
+            {of === undefined && (
+              <th scope="col">
+                <ActorMark actor="imitator">
+                  <abbr title={t`How much the imitator shows of what Tril understood`}>
+                    <Trans>Understood</Trans>
+                  </abbr>
+                </ActorMark>
+              </th>
             )}
             <th scope="col" className={styles.right}>
               <Trans>Death rate</Trans>
@@ -185,6 +194,14 @@ function RunRow({ run, nTargets, narrow, isSelected, isFull, onSelect }: RunRowP
           </td>
         </>
       )}
+      {nTargets === undefined && (
+        <IntervalCell
+          actor="imitator"
+          interval={run.headline?.understood?.imitator}
+          high={1}
+          write={wholeShare}
+        />
+      )}
       <td className={styles.right}>{imitator ? percent(imitator.death_rate.mean, 0) : NONE}</td>
       <td className={styles.right}>{tau === null ? NONE : fixed(tau, 2)}</td>
       <td>{run.recipe}</td>
@@ -217,17 +234,21 @@ function IntervalCell({
   actor,
   interval,
   high,
+  write = oneDigit,
 }: {
   actor: "imitator" | "clone";
   interval: Interval | null | undefined;
   high: number;
+  write?: (value: number) => string;
 }) {
   if (!interval) return <td>{NONE}</td>;
   return (
     <td>
       <span className={styles.value}>
-        <b>{fixed(interval.mean, 1)}</b>
-        <span className={styles.bounds}>{bounds(interval)}</span>
+        <b>{write(interval.mean)}</b>
+        <span
+          className={styles.bounds}
+        >{t`${write(interval.low)} to ${write(interval.high)}`}</span>
       </span>
       <IntervalPlot low={0} high={high} intervals={[{ actor, interval }]} />
     </td>
@@ -238,3 +259,5 @@ function tookOf({ started_at: started, finished_at: finished }: Run): string {
   if (!started || !finished) return NONE;
   return duration((Date.parse(finished) - Date.parse(started)) / 1000);
 }
+
+const oneDigit = (value: number) => fixed(value, 1);

@@ -5,7 +5,7 @@ import type { Behaviour, Interval, Measure, RunResults, TaughtGame } from "@/api
 import { summaryRows } from "@/features/results/games/summary-rows";
 import { meanValue, measureSentence, unitOf } from "@/games/measures";
 import type { Actor } from "@/lib/actors";
-import { fixed, percent } from "@/lib/format";
+import { fixed, percent, wholeShare } from "@/lib/format";
 
 const MOST = 5;
 
@@ -38,7 +38,9 @@ export function figuresOf(
 ): readonly Figure[] {
   const summary = summaryFigures(results, behaviour, game);
   const measures = measureFigures(results, game);
-  const asked = behaviour.target ? [...summary, ...measures] : [...measures, ...summary];
+  const asked = behaviour.target
+    ? [...summary, ...measures]
+    : [...measures, ...understoodFigure(results), ...summary];
   // What people said of it comes first where nothing measures the behaviour, else second.
   const isMeasured = behaviour.target !== null || measures.length > 0;
   const others = asked.splice(isMeasured ? 1 : 0);
@@ -58,6 +60,26 @@ function blindFigure({ blind }: RunResults): Figure[] {
         interval: null,
       })),
       plot: { interval: share, low: 0, high: 1 },
+    },
+  ];
+}
+
+/** How much games show of what Tril understood, as shares of a whole game as good as the best. */
+function understoodFigure({ run }: RunResults): Figure[] {
+  const shares = run.headline?.understood;
+  if (!shares?.imitator) return [];
+  const { imitator, clone, best } = shares;
+  const others = [
+    ...(clone ? [{ actor: "clone" as const, text: wholeShare(clone.mean), interval: clone }] : []),
+    { actor: "person" as const, text: wholeShare(best.mean), interval: best },
+  ];
+  const high = Math.max(1, ...[imitator, clone, best].map((one) => one?.high ?? 0));
+  return [
+    {
+      name: t`What Tril understood, of a whole game`,
+      value: wholeShare(imitator.mean),
+      others,
+      plot: { interval: imitator, low: 0, high },
     },
   ];
 }
