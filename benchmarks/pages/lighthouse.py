@@ -5,8 +5,8 @@
 Serves a data folder of its own with a finished run, signs in with Chromium, and has Lighthouse load
 each page anew, without a cache: as a desktop, or as a phone on a slow network whose processor takes
 four times as long. The first call downloads Lighthouse from npm; it is too large (185 MB) to be
-installed for everybody. Performance is the median over the rounds. Prints a table with what the last
-round's performance is made of, what costs points, and JSON.
+installed for everybody. Performance is the median over the rounds. Prints a table with what the
+last round's performance is made of, what costs points, and JSON.
 """
 
 from __future__ import annotations

@@ -45,7 +45,7 @@ class Preload:
     data: tuple[str, ...]
 
     def links(self, subject: Subject) -> str:
-        """Return HTML for the head of the page, without data of which the subject says too little."""
+        """Return HTML for the head of the page, without data that the subject does not name."""
         data = []
         for path in self.data:
             with suppress(KeyError):
@@ -56,7 +56,7 @@ class Preload:
 
 
 def subject_of(session: Session, shows: str | None, shown: str) -> Subject:
-    """Return what a page is about: the id that it shows, and its behaviour and game, if there are any.
+    """Return what a page is about: the id that it shows, and its behaviour and game, if known.
 
     Args:
         session: Database session.

@@ -105,28 +105,45 @@ class RunData:
         stand_in = self.snapshot.none_marked and self.context.recipe.reward.method == "statement"
         return [] if stand_in else self.snapshot.perfect
 
-    def _game_facts(self) -> GameFacts:
-        """Return the facts of the run's games, and of varied ones, in the game's own vocabulary."""
-        game = self.context.game
-        words = self._words = self._words or vocabulary_of(
-            self.context.settings.data, game, lambda *_: self.context.check_cancelled()
+    @property
+    def words(self) -> Vocabulary:
+        """The game's vocabulary, made first if need be."""
+        self._words = self._words or vocabulary_of(
+            self.context.settings.data,
+            self.context.game,
+            lambda *_: self.context.check_cancelled(),
         )
-        console = game.make_console()
-        for number, recording in self.recordings(self.snapshot.recordings).items():
+        return self._words
+
+    def facts(self, ids: Sequence[int]) -> list[Facts]:
+        """Return the facts of recordings' steps, float32 (n_steps, n_facts) each."""
+        words, console = self.words, None
+        for number, recording in self.recordings(ids).items():
             if number not in self._facts:
+                console = console or recording.game.make_console()
                 self._facts[number] = words.facts(trace(recording, console, words.scene))
                 self.context.check_cancelled()
+        if console:
+            console.close()
+        return [self._facts[number] for number in ids]
+
+    def _game_facts(self) -> GameFacts:
+        """Return the facts of the run's games, and of varied ones, in the game's own vocabulary."""
+        game, words = self.context.game, self.words
+        ranked = self.facts(self.snapshot.ranked)
+        best = self.facts(self.best_efforts)
         if not self._varied:
+            console = game.make_console()
             for recording in varied_games(game, N_VARIED):
                 observed = trajectory(recording, console)
                 facts = words.facts(trace(recording, console, words.scene))
                 self._varied.append(ObservedTrajectory(observed.observations, facts=facts))
                 self.context.check_cancelled()
-        console.close()
+            console.close()
         return GameFacts(
             words,
-            [self._facts[number] for number in self.snapshot.ranked],
-            [self._facts[number] for number in self.best_efforts],
+            ranked,
+            best,
             self._varied,
             [Answer(frozenset(answer.subjects), answer.meant) for answer in self.snapshot.answers],
         )

@@ -110,19 +110,22 @@ def _blind(blind: BlindResult) -> Figure:
 
 
 def _understood(headline: Headline | None) -> Iterator[Figure]:
-    shares = headline and headline.understood
-    if not shares or shares.imitator is None:
+    if headline is None:
         return
-    others = tuple(
-        OtherPlayer(actor, _share(share), share)
-        for actor, share in (("clone", shares.clone), ("person", shares.best))
-        if share is not None
-    )
-    high = max(
-        1.0, shares.imitator.high, *(other.interval.high for other in others if other.interval)
-    )
-    name = "What Tril understood, of a whole game"
-    yield Figure(name, _share(shares.imitator), others, shares.imitator, 0.0, high)
+    for name, shares in (
+        ("What Tril understood, of a whole game", headline.understood),
+        ("Time elsewhere than your best games", headline.elsewhere),
+    ):
+        if shares is None or shares.imitator is None:
+            continue
+        known = [
+            (actor, share)
+            for actor, share in (("clone", shares.clone), ("person", shares.best))
+            if share is not None
+        ]
+        others = tuple(OtherPlayer(actor, _share(share), share) for actor, share in known)
+        high = max(1.0, shares.imitator.high, *(share.high for _, share in known))
+        yield Figure(name, _share(shares.imitator), others, shares.imitator, 0.0, high)
 
 
 def _share(share: Interval) -> str:

@@ -241,15 +241,33 @@ class UnderstoodShares(Stored):
     best: Interval
 
 
+class ElsewhereShares(Stored):
+    """Share of the time for which games have things elsewhere than the best demonstrations.
+
+    Second by second, see tril.vocabulary.whereabouts; of each game the mean over the best ones.
+
+    Attributes:
+        imitator: Some of the imitator's games; None if it has played none.
+        clone: As many of the clone's.
+        best: The demonstrations among each other; None of a single one.
+    """
+
+    imitator: Interval | None
+    clone: Interval | None
+    best: Interval | None
+
+
 class Headline(CheckFigures):
     """A run's figures for the lists: greedy games from held-out evaluation starts.
 
-    ``understood`` is None of rewards that are no statements, and in runs of earlier versions.
+    ``understood`` and ``elsewhere`` are None of rewards that are no statements, and in runs of
+    earlier versions; ``elsewhere`` also where nothing on the screen has a place.
     """
 
     imitator: PolicySummary | None
     clone: PolicySummary | None
     understood: UnderstoodShares | None = None
+    elsewhere: ElsewhereShares | None = None
 
 
 class RunOutcome(Stored):

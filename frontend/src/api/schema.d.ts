@@ -1770,6 +1770,21 @@ export interface components {
             worse: number;
         };
         /**
+         * @description Share of the time for which games have things elsewhere than the best demonstrations.
+         *
+         *     Second by second, see tril.vocabulary.whereabouts; of each game the mean over the best ones.
+         *
+         *     Attributes:
+         *         imitator: Some of the imitator's games; None if it has played none.
+         *         clone: As many of the clone's.
+         *         best: The demonstrations among each other; None of a single one.
+         */
+        ElsewhereShares: {
+            best: components["schemas"]["Interval"] | null;
+            clone: components["schemas"]["Interval"] | null;
+            imitator: components["schemas"]["Interval"] | null;
+        };
+        /**
          * @description An evaluation game of a trained policy.
          *
          *     ``action_selection``: "greedy" takes the most probable action, "sampled" draws from the policy,
@@ -1851,10 +1866,12 @@ export interface components {
         /**
          * @description A run's figures for the lists: greedy games from held-out evaluation starts.
          *
-         *     ``understood`` is None of rewards that are no statements, and in runs of earlier versions.
+         *     ``understood`` and ``elsewhere`` are None of rewards that are no statements, and in runs of
+         *     earlier versions; ``elsewhere`` also where nothing on the screen has a place.
          */
         Headline: {
             clone: components["schemas"]["PolicySummary"] | null;
+            elsewhere: components["schemas"]["ElsewhereShares"] | null;
             held_out_accuracy: number | null;
             imitator: components["schemas"]["PolicySummary"] | null;
             pair_accuracy: number;

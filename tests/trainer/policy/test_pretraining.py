@@ -61,7 +61,7 @@ def test_a_mixed_start_has_the_convolutions_of_the_policy_that_ships(
 
 
 def test_a_mixed_start_is_judged_by_a_learned_reward() -> None:
-    with pytest.raises(Invalid, match="set policy.mixed_start=false"):
+    with pytest.raises(Invalid, match=r"set policy\.mixed_start=false"):
         with_values(ANY, {"method": "gail"})
     assert with_values(ANY, {"method": "gail", "policy.mixed_start": False}).method == "gail"
 

@@ -91,6 +91,10 @@ def test_a_run_in_any_game_is_learned_and_evaluated(
     if headline.understood:
         assert headline.understood.best.n == 1
         assert headline.understood.imitator is not None
+        assert headline.elsewhere is not None
+        assert headline.elsewhere.best is None  # there is one
+        assert headline.elsewhere.imitator is not None
+        assert 0 <= headline.elsewhere.imitator.mean <= 1
     # What was said to be meant is part of all that was understood.
     assert all("the game going on" in one.sentence for one in check.statements)
     assert all("time played" in one.subjects for one in check.statements)

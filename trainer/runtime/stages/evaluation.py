@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from trainer.policy.evaluation import EvaluatedGame, beginnings, play, stickiness
 from trainer.progress import Progress, ScaledProgress
 from trainer.reward.check import final_level
 from trainer.runtime.policy_games import add_game, verify_games
 from trainer.runtime.run_data import RunData
-from tril.analysis.outcome import Headline, RunOutcome, UnderstoodShares
-from tril.analysis.summary import interval
+from tril.analysis.outcome import ElsewhereShares, Headline, RunOutcome, UnderstoodShares
+from tril.analysis.summary import Interval, interval
 from tril.games.base import Console, Opening
 from tril.games.behaviours import score
 from tril.recipes import recipe_from_dict
@@ -22,6 +24,11 @@ from tril.store.training.evaluations import (
     ActionSelection,
     EvaluationKey,
 )
+from tril.vocabulary.moments import Seconds, seconds_of
+from tril.vocabulary.whereabouts import place_columns, share_elsewhere
+
+_GAMES_PLACED = 8
+"""Games of each policy whose whereabouts are compared: a second's look at each."""
 
 
 def evaluate(data: RunData, progress: Progress) -> RunOutcome:
@@ -119,6 +126,7 @@ def headline(data: RunData) -> Headline:
         imitator=summaries.get(("imitator", "greedy")),
         clone=summaries.get(("clone", "greedy")),
         understood=understood_shares(data, games) if is_statement else None,
+        elsewhere=elsewhere_shares(data, games) if is_statement else None,
     )
 
 
@@ -132,8 +140,8 @@ def understood_shares(data: RunData, games: Sequence[EvaluationRow]) -> Understo
     context, model = data.context, data.reward_model
     max_steps = context.game.clock.max_steps
     shares: dict[str, list[float]] = {policy: [] for policy in POLICIES}
-    for row in games:
-        if not row.held_out or row.action_selection != "greedy" or row.predicted_return is None:
+    for row in _headline_games(games):
+        if row.predicted_return is None:
             continue
         (beginning,) = beginnings(context.game, context.recipe.evaluation, [row.start_number])
         # R is of the steps that the policy has played.
@@ -148,3 +156,46 @@ def understood_shares(data: RunData, games: Sequence[EvaluationRow]) -> Understo
         best.append(model.share_of_game(float(rewards.sum()), len(rewards), max_steps))
     imitator, clone = (interval(shares[policy]) if shares[policy] else None for policy in POLICIES)
     return UnderstoodShares(imitator=imitator, clone=clone, best=interval(best))
+
+
+def elsewhere_shares(data: RunData, games: Sequence[EvaluationRow]) -> ElsewhereShares | None:
+    """Return how far games are from the best demonstrations in where things are and when.
+
+    Args:
+        data: The run.
+        games: Its evaluation games, loaded with their recordings.
+
+    Returns:
+        None where nothing on the game's screen has a place.
+    """
+    columns = place_columns(data.words)
+    if not columns:
+        return None
+
+    def seconds(ids: Sequence[int]) -> list[Seconds]:
+        return [seconds_of(facts, data.context.game.clock) for facts in data.facts(ids)]
+
+    best = seconds(data.snapshot.perfect)
+
+    def away(game: Seconds, others: Sequence[Seconds]) -> float:
+        return float(np.mean([share_elsewhere(game, other, columns) for other in others]))
+
+    def away_from_best(policy: str) -> Interval | None:
+        ids = [row.recording_id for row in _headline_games(games) if row.policy == policy]
+        played = seconds(ids[:_GAMES_PLACED])
+        return interval([away(game, best) for game in played]) if played else None
+
+    among_best = [
+        away(game, [*best[:index], *best[index + 1 :]])
+        for index, game in enumerate(best)
+        if len(best) > 1
+    ]
+    return ElsewhereShares(
+        imitator=away_from_best("imitator"),
+        clone=away_from_best("clone"),
+        best=interval(among_best) if among_best else None,
+    )
+
+
+def _headline_games(games: Sequence[EvaluationRow]) -> list[EvaluationRow]:
+    return [row for row in games if row.held_out and row.action_selection == "greedy"]

@@ -315,9 +315,12 @@ describe("what a result says", () => {
   it("has what Tril understood first where nothing measures the behaviour", () => {
     const share = (mean: number) => ({ mean, low: mean - 0.1, high: mean + 0.1, n: 23 });
     const understood = { imitator: share(0.88), clone: share(-0.02), best: share(0.31) };
-    const headline = { ...CHECK, imitator: null, clone: null, understood };
+    const elsewhere = { imitator: share(0.42), clone: null, best: null };
+    const headline = { ...CHECK, imitator: null, clone: null, understood, elsewhere };
     const shown = results(run({ ...ONE, headline }), { check: CHECK });
-    const [first] = figuresOf(shown, behaviour({ target: null }), SPACE_INVADERS);
+    const [first, second] = figuresOf(shown, behaviour({ target: null }), SPACE_INVADERS);
+    expect(second).toMatchObject({ name: "Time elsewhere than your best games", value: "42%" });
+    expect(second?.others).toEqual([]);
     expect(first).toEqual({
       name: "What Tril understood, of a whole game",
       value: "88%",

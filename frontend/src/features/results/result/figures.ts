@@ -40,7 +40,7 @@ export function figuresOf(
   const measures = measureFigures(results, game);
   const asked = behaviour.target
     ? [...summary, ...measures]
-    : [...measures, ...understoodFigure(results), ...summary];
+    : [...measures, ...understoodFigures(results), ...summary];
   // What people said of it comes first where nothing measures the behaviour, else second.
   const isMeasured = behaviour.target !== null || measures.length > 0;
   const others = asked.splice(isMeasured ? 1 : 0);
@@ -64,24 +64,28 @@ function blindFigure({ blind }: RunResults): Figure[] {
   ];
 }
 
-/** How much games show of what Tril understood, as shares of a whole game as good as the best. */
-function understoodFigure({ run }: RunResults): Figure[] {
-  const shares = run.headline?.understood;
-  if (!shares?.imitator) return [];
-  const { imitator, clone, best } = shares;
-  const others = [
-    ...(clone ? [{ actor: "clone" as const, text: wholeShare(clone.mean), interval: clone }] : []),
-    { actor: "person" as const, text: wholeShare(best.mean), interval: best },
+/**
+ * How much games show of what Tril understood, as shares of a whole game as good as the best; and how
+ * far they are from the best games in where things are and when.
+ */
+function understoodFigures({ run: { headline } }: RunResults): Figure[] {
+  const shown = [
+    { name: t`What Tril understood, of a whole game`, shares: headline?.understood },
+    { name: t`Time elsewhere than your best games`, shares: headline?.elsewhere },
   ];
-  const high = Math.max(1, ...[imitator, clone, best].map((one) => one?.high ?? 0));
-  return [
-    {
-      name: t`What Tril understood, of a whole game`,
-      value: wholeShare(imitator.mean),
-      others,
-      plot: { interval: imitator, low: 0, high },
-    },
-  ];
+  return shown.flatMap(({ name, shares }) => {
+    if (!shares?.imitator) return [];
+    const { imitator, clone, best } = shares;
+    const others = [
+      { actor: "clone" as const, interval: clone },
+      { actor: "person" as const, interval: best },
+    ].flatMap(({ actor, interval }) =>
+      interval ? [{ actor, text: wholeShare(interval.mean), interval }] : [],
+    );
+    const high = Math.max(1, imitator.high, ...others.map(({ interval }) => interval.high));
+    const plot = { interval: imitator, low: 0, high };
+    return [{ name, value: wholeShare(imitator.mean), others, plot }];
+  });
 }
 
 function summaryFigures(
