@@ -156,6 +156,22 @@ export function run(change: Partial<Run> = {}): Run {
   };
 }
 
+/** The figures of a run for the lists. */
+export function headline(
+  change: Partial<NonNullable<Run["headline"]>> = {},
+): NonNullable<Run["headline"]> {
+  return {
+    tau: 1,
+    pair_accuracy: 1,
+    held_out_accuracy: null,
+    imitator: null,
+    clone: null,
+    understood: null,
+    elsewhere: null,
+    ...change,
+  };
+}
+
 export function game(change: Partial<EvaluationGame> = {}): EvaluationGame {
   return {
     policy: "imitator",

@@ -4,7 +4,7 @@ import { describe, expect, it } from "vitest";
 
 import { HomePage } from "@/features/behaviours/HomePage";
 
-import { behaviour, recipe, run, system } from "../../support/data";
+import { behaviour, headline, recipe, run, system } from "../../support/data";
 import { SPACE_INVADERS } from "../../support/games";
 import { show } from "../../support/page";
 import { Refusal, serve } from "../../support/server";
@@ -18,13 +18,7 @@ const SUMMARY = {
   death_rate: INTERVAL,
   predicted_return: null,
 };
-const HEADLINE = {
-  imitator: SUMMARY,
-  clone: SUMMARY,
-  tau: 1,
-  pair_accuracy: 1,
-  held_out_accuracy: null,
-};
+const HEADLINE = headline({ imitator: SUMMARY, clone: SUMMARY });
 
 const OWNER = { "GET /api/player": () => ({ id: 1, name: "Ada", role: "owner" }) };
 

@@ -2,6 +2,8 @@ import { describe, expect, it } from "vitest";
 
 import { pathOf } from "@/features/behaviours/path";
 
+import { headline } from "../../support/data";
+
 describe("the path", () => {
   const none = { n_recordings: 0, n_ranked: 0, n_perfect: 0, target: null };
   const nextOf = (...args: Parameters<typeof pathOf>) =>
@@ -35,15 +37,8 @@ describe("the path", () => {
 
   it("ends with how much of what is meant the imitator plays", () => {
     const share = { mean: 0.876, low: 0.8, high: 0.9, n: 23 };
-    const headline = {
-      tau: 0.9,
-      pair_accuracy: 0.9,
-      held_out_accuracy: null,
-      imitator: null,
-      clone: null,
-      understood: { imitator: share, clone: null, best: share },
-    };
-    const done = { status: "done" as const, progress: 1, headline };
+    const understood = { imitator: share, clone: null, best: share };
+    const done = { status: "done" as const, progress: 1, headline: headline({ understood }) };
     expect(pathOf(none, [done])[3]?.caption).toBe("88% of what is meant");
   });
 });

@@ -6,7 +6,7 @@ import type { Behaviour, PolicySummary, RunResults, StatementAnswer } from "@/ap
 import { figuresOf } from "@/features/results/result/figures";
 import { ResultView } from "@/features/results/result/ResultView";
 
-import { behaviour, game, recording, results, run, statement } from "../../support/data";
+import { behaviour, game, headline, recording, results, run, statement } from "../../support/data";
 import { framesFile } from "../../support/frames";
 import { SPACE_INVADERS } from "../../support/games";
 import { show } from "../../support/page";
@@ -316,8 +316,8 @@ describe("what a result says", () => {
     const share = (mean: number) => ({ mean, low: mean - 0.1, high: mean + 0.1, n: 23 });
     const understood = { imitator: share(0.88), clone: share(-0.02), best: share(0.31) };
     const elsewhere = { imitator: share(0.42), clone: null, best: null };
-    const headline = { ...CHECK, imitator: null, clone: null, understood, elsewhere };
-    const shown = results(run({ ...ONE, headline }), { check: CHECK });
+    const understoodRun = run({ ...ONE, headline: headline({ understood, elsewhere }) });
+    const shown = results(understoodRun, { check: CHECK });
     const [first, second] = figuresOf(shown, behaviour({ target: null }), SPACE_INVADERS);
     expect(second).toMatchObject({ name: "Time elsewhere than your best games", value: "42%" });
     expect(second?.others).toEqual([]);

@@ -7,7 +7,16 @@ import type { PolicySummary, Recording, Run, RunResults, System } from "@/api/ty
 import { RunPage } from "@/features/results/RunPage";
 import { RunsPage } from "@/features/results/RunsPage";
 
-import { behaviour, game, recording, results, run, statement, system } from "../../support/data";
+import {
+  behaviour,
+  game,
+  headline,
+  recording,
+  results,
+  run,
+  statement,
+  system,
+} from "../../support/data";
 import { framesFile } from "../../support/frames";
 import { libraryOf } from "../../support/library";
 import { show } from "../../support/page";
@@ -820,18 +829,15 @@ describe("teaching more", () => {
 
 describe("the list of runs", () => {
   it("sets parameters and results side by side", async () => {
-    const headline = {
+    const shown = headline({
       imitator: SUMMARY,
-      clone: null,
       tau: 0.98,
-      pair_accuracy: 1,
-      held_out_accuracy: null,
-    };
+    });
     serve({
       "GET /api/runs": () => [
         run({
           status: "done",
-          headline,
+          headline: shown,
           finished_at: "2026-01-01T12:17:01Z",
         }),
         run({ id: "ffff0000-0000-4000-8000-000000000000", example: true }),

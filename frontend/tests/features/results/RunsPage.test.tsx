@@ -4,7 +4,7 @@ import { describe, expect, it, vi } from "vitest";
 
 import { RunsPage } from "@/features/results/RunsPage";
 
-import { behaviour, run } from "../../support/data";
+import { behaviour, headline, run } from "../../support/data";
 import { show } from "../../support/page";
 import { serve } from "../../support/server";
 
@@ -49,15 +49,10 @@ describe("the list of runs", () => {
 
   it("says how much of what was understood is played where there are no targets", async () => {
     const share = { mean: 0.876, low: 0.81, high: 0.92, n: 23 };
-    const headline = {
-      tau: 0.9,
-      pair_accuracy: 0.9,
-      held_out_accuracy: null,
-      imitator: null,
-      clone: null,
-      understood: { imitator: share, clone: null, best: share },
-    };
-    serve({ "GET /api/runs": () => [run({ status: "done", headline })] });
+    const understood = { imitator: share, clone: null, best: share };
+    serve({
+      "GET /api/runs": () => [run({ status: "done", headline: headline({ understood }) })],
+    });
     show(<RunsPage behaviour={behaviour({ target: null })} />);
     expect(await screen.findByRole("columnheader", { name: "Understood" })).toBeVisible();
     expect(screen.getByRole("cell", { name: /^88%81% to 92%/ })).toBeVisible();

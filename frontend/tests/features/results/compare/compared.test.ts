@@ -4,7 +4,7 @@ import { comparedGroups, meanWithBand } from "@/features/results/compare/compare
 import { differenceRows, resultRows } from "@/features/results/compare/compared-rows";
 import { comparedIds, comparePath, seedGroups } from "@/features/results/compare/compared-runs";
 
-import { run } from "../../../support/data";
+import { headline, run } from "../../../support/data";
 
 const INTERVAL = { mean: 4, low: 3, high: 5, n: 23 };
 const SUMMARY = {
@@ -15,13 +15,7 @@ const SUMMARY = {
   death_rate: { mean: 0.1, low: 0, high: 0.3, n: 23 },
   predicted_return: null,
 };
-const HEADLINE = {
-  imitator: SUMMARY,
-  clone: null,
-  tau: 1,
-  pair_accuracy: 1,
-  held_out_accuracy: null,
-};
+const HEADLINE = headline({ imitator: SUMMARY });
 
 describe("the address of a comparison", () => {
   it("names each run once, and at most ten", () => {

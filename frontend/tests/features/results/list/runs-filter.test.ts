@@ -10,12 +10,12 @@ import {
   writeRunsFilter,
 } from "@/features/results/list/runs-filter";
 
-import { run } from "../../../support/data";
+import { headline, run } from "../../../support/data";
 
 const INTERVAL = { mean: 0, low: 0, high: 0, n: 5 };
 
-function headline(targets: number, deaths: number): Run["headline"] {
-  return {
+function figures(targets: number, deaths: number): Run["headline"] {
+  return headline({
     imitator: {
       targets: { ...INTERVAL, mean: targets },
       strays: INTERVAL,
@@ -24,11 +24,7 @@ function headline(targets: number, deaths: number): Run["headline"] {
       death_rate: { ...INTERVAL, mean: deaths },
       predicted_return: null,
     },
-    clone: null,
-    tau: 1,
-    pair_accuracy: 1,
-    held_out_accuracy: null,
-  };
+  });
 }
 
 const RUNS = [
@@ -38,7 +34,7 @@ const RUNS = [
     notes: "Twice as wide.",
     status: "done",
     steps: 10,
-    headline: headline(3, 0.1),
+    headline: figures(3, 0.1),
     created_at: "2026-01-01T12:00:00Z",
   }),
   run({
@@ -54,7 +50,7 @@ const RUNS = [
     name: "baseline 10",
     status: "done",
     steps: 20,
-    headline: headline(5, 0.4),
+    headline: figures(5, 0.4),
     created_at: "2026-01-02T12:00:00Z",
   }),
   run({
