@@ -17,8 +17,9 @@ the run's games to watch."""
 GOOD_SHARE = 0.9
 """Share of the best demonstration's targets, or of what the best demonstrations show of what was
 understood, from which on an imitator has learned it."""
-SURE = 0.5
-"""Probability of the likeliest statement below which nobody can tell what was learned."""
+SURE = 1 / 3
+"""Probability of the likeliest statement below which nobody can tell what was learned: others of a
+few that share the rest often say nearly the same."""
 MOST_LOST = 0.5
 """Death rate above which most games are lost."""
 FEW_LOST = 0.25
