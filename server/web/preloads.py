@@ -69,7 +69,7 @@ def subject_of(session: Session, shows: str | None, shown: str) -> Subject:
     behaviour_id: int | None
     if shows == "run":
         behaviour_id = session.scalar(select(RunRow.behaviour_id).where(RunRow.id == shown))
-    elif int(shown) > MAX_ID:
+    elif len(shown) > len(str(MAX_ID)) or int(shown) > MAX_ID:
         return subject
     elif shows == "recording":
         of_recording = select(RecordingRow.behaviour_id).where(RecordingRow.id == int(shown))

@@ -320,16 +320,14 @@ class RewardModel:
         """Return R scaled so that ``zero`` becomes 0 and ``one`` becomes 1, float32."""
         return ((rewards - self.zero) / (self.one - self.zero)).astype(np.float32)
 
-    def share_of_game(self, predicted_return: float, n_steps: int, max_steps: int) -> float:
-        """Return what a game earns as a share of a whole game whose every state has level 1.
+    def total_level(self, predicted_return: float, n_steps: int) -> float:
+        """Return the sum of the levels of states, from the sum of their R.
 
         Args:
-            predicted_return: Sum of R over the states after each of its steps.
-            n_steps: Number of its steps.
-            max_steps: Length of a whole game; what comes after an early end earns nothing.
+            predicted_return: Sum of R over the states.
+            n_steps: Number of the states.
         """
-        levels = (predicted_return - n_steps * self.zero) / (self.one - self.zero)
-        return levels / max_steps
+        return (predicted_return - n_steps * self.zero) / (self.one - self.zero)
 
     def on(self, device: torch.device) -> RewardModel:
         """Return the model on a device: itself if it is there already, else a copy."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, closing
 from pathlib import Path
 from typing import TypeVar
 
@@ -117,14 +117,17 @@ class RunData:
 
     def facts(self, ids: Sequence[int]) -> list[Facts]:
         """Return the facts of recordings' steps, float32 (n_steps, n_facts) each."""
-        words, console = self.words, None
-        for number, recording in self.recordings(ids).items():
-            if number not in self._facts:
-                console = console or recording.game.make_console()
-                self._facts[number] = words.facts(trace(recording, console, words.scene))
-                self.context.check_cancelled()
-        if console:
-            console.close()
+        words = self.words
+        missing = {
+            number: recording
+            for number, recording in self.recordings(ids).items()
+            if number not in self._facts
+        }
+        if missing:
+            with closing(self.context.game.make_console()) as console:
+                for number, recording in missing.items():
+                    self._facts[number] = words.facts(trace(recording, console, words.scene))
+                    self.context.check_cancelled()
         return [self._facts[number] for number in ids]
 
     def _game_facts(self) -> GameFacts:
@@ -133,13 +136,12 @@ class RunData:
         ranked = self.facts(self.snapshot.ranked)
         best = self.facts(self.best_efforts)
         if not self._varied:
-            console = game.make_console()
-            for recording in varied_games(game, N_VARIED):
-                observed = trajectory(recording, console)
-                facts = words.facts(trace(recording, console, words.scene))
-                self._varied.append(ObservedTrajectory(observed.observations, facts=facts))
-                self.context.check_cancelled()
-            console.close()
+            with closing(game.make_console()) as console:
+                for recording in varied_games(game, N_VARIED):
+                    observed = trajectory(recording, console)
+                    facts = words.facts(trace(recording, console, words.scene))
+                    self._varied.append(ObservedTrajectory(observed.observations, facts=facts))
+                    self.context.check_cancelled()
         return GameFacts(
             words,
             ranked,

@@ -114,7 +114,7 @@ def _understood(headline: Headline | None) -> Iterator[Figure]:
         return
     for name, shares in (
         ("What Tril understood, of a whole game", headline.understood),
-        ("Time elsewhere than your best games", headline.elsewhere),
+        ("Time spent elsewhere than in your best games (less is closer)", headline.elsewhere),
     ):
         if shares is None or shares.imitator is None:
             continue

@@ -88,23 +88,14 @@ def verdict(run: RunFigures) -> Verdict:
     clone = None if run.headline is None else run.headline.clone
     if imitator is None:
         return _without_games(run)
+    if is_too_short(run.steps, run.warm_up_steps):
+        return _too_short(run, imitator)
     if run.n_targets is None or imitator.targets is None:
         assert run.headline is not None
         understood = run.headline.understood
         if understood is None or understood.imitator is None:
             return _without_targets(imitator, clone)
         return _by_statement(run, imitator, understood.imitator, understood)
-    if is_too_short(run.steps, run.warm_up_steps):
-        return Verdict(
-            "bad",
-            "The run was too short to learn anything.",
-            f"In its {run.steps:,} steps only the critic learned, which takes the first"
-            f" {run.warm_up_steps:,}, so the imitator still plays as it began. It hits"
-            f" {_mean(imitator.targets.mean)} of {run.n_targets} targets"
-            f"; the {_interval(imitator.targets)}.",
-            f"Train for longer, such as {run.default_steps:,} steps.",
-            "train",
-        )
     details = " ".join(
         sentence
         for sentence in (
@@ -116,6 +107,23 @@ def verdict(run: RunFigures) -> Verdict:
         if sentence
     )
     return _advised(run, imitator, imitator.targets, clone, details)
+
+
+def _too_short(run: RunFigures, imitator: PolicySummary) -> Verdict:
+    hits = (
+        ""
+        if run.n_targets is None or imitator.targets is None
+        else f" It hits {_mean(imitator.targets.mean)} of {run.n_targets} targets; the"
+        f" {_interval(imitator.targets)}."
+    )
+    return Verdict(
+        "bad",
+        "The run was too short to learn anything.",
+        f"In its {run.steps:,} steps only the critic learned, which takes the first"
+        f" {run.warm_up_steps:,}, so the imitator still plays as it began.{hits}",
+        f"Train for longer, such as {run.default_steps:,} steps.",
+        "train",
+    )
 
 
 def is_too_short(steps: int, warm_up_steps: int) -> bool:
@@ -225,22 +233,23 @@ def _by_statement(
 ) -> Verdict:
     """Return the verdict by what Tril understood, on a behaviour without targets."""
     best, clone = understood.best, understood.clone
-    is_as_good = share.mean >= GOOD_SHARE * best.mean
+    # Games that are lost earn nothing afterwards, so that losses count on both sides.
+    is_as_good = share.mean >= GOOD_SHARE * best.mean > 0
     compared = (
         "more of what Tril understood than"
-        if share.low > best.mean
+        if share.low > best.mean > 0
         else "as much of what Tril understood as"
         if is_as_good
         else "less of what Tril understood than"
     )
     sentence = (
-        f"The imitator shows {compared} your best games: {_percent(share.mean)} against"
+        f"The imitator shows {compared} your best games do: {_percent(share.mean)} against"
         f" {_percent(best.mean)}."
     )
     details = " ".join(
         part
         for part in (
-            "100% is a whole game that is all the time as good as your best ones.",
+            "100% is a whole game that is all the time as good as your best ones while they last.",
             clone and _told_apart(f"The clone shows {_percent(clone.mean)}", share, clone),
             _lost(imitator.death_rate),
         )
@@ -252,13 +261,14 @@ def _by_statement(
         return Verdict(
             "fair",
             sentence,
-            f"Tril was not sure what you mean: its likeliest guess had {_percent(run.sureness)}."
-            f" {details}",
+            "Tril was not sure what you meant: its likeliest guess had a probability of"
+            f" {_percent(run.sureness)}. {details}",
             "Say on the rank page what you mean, or rank a few more games, and train again.",
             "rank",
         )
-    if is_as_good:
-        advice = "Is it what you meant? Compare its games with others blind."
+    is_worse = clone is not None and share.high < clone.low
+    if is_as_good and not is_worse:
+        advice = "Is it what you meant? Watch some of its games, or compare them blind."
         return Verdict("good", sentence, details, advice, "games")
     is_no_better = clone is not None and share.mean <= clone.mean
     tone: Tone = "bad" if is_no_better else "fair"

@@ -1772,7 +1772,8 @@ export interface components {
         /**
          * @description Share of the time for which games have things elsewhere than the best demonstrations.
          *
-         *     Second by second, see tril.vocabulary.whereabouts; of each game the mean over the best ones.
+         *     Second by second, see tril.vocabulary.whereabouts; of each game the mean over the best ones. An
+         *     opening that was played before a policy's first step is left out.
          *
          *     Attributes:
          *         imitator: Some of the imitator's games; None if it has played none.
@@ -2939,7 +2940,7 @@ export interface components {
          * @description How much games show of what Tril understood of a ranking, by the reward model.
          *
          *     1 is a whole game in which every step is as good as the best demonstrations' steps are on
-         *     average. A game that ends early earns nothing for the rest of its time.
+         *     average while they last. A game that ends early earns nothing for the rest of its time.
          *
          *     Attributes:
          *         imitator: The imitator's games, those of the headline; None if it has played none.

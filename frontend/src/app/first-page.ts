@@ -37,21 +37,21 @@ export const LOADS: Readonly<Record<string, Load>> = {
     client.query(behavioursQuery),
     client.query(catalogueQuery),
   ],
-  "/behaviours/(\\d+)/play": inBehaviour(pages.PlayPage),
-  "/behaviours/(\\d+)/recordings": inBehaviour(pages.RecordingsPage, (client, id) => [
+  "/behaviours/([0-9]+)/play": inBehaviour(pages.PlayPage),
+  "/behaviours/([0-9]+)/recordings": inBehaviour(pages.RecordingsPage, (client, id) => [
     client.query(libraryQuery(Number(id))),
   ]),
   // Its frame comes first: with the board it would be one long task.
-  "/behaviours/(\\d+)/rank": inBehaviour(pages.RankPage),
-  "/behaviours/(\\d+)/train": inBehaviour(pages.TrainPage),
-  "/behaviours/(\\d+)/runs": inBehaviour(pages.RunsPage),
+  "/behaviours/([0-9]+)/rank": inBehaviour(pages.RankPage),
+  "/behaviours/([0-9]+)/train": inBehaviour(pages.TrainPage),
+  "/behaviours/([0-9]+)/runs": inBehaviour(pages.RunsPage),
   "/runs/([0-9a-f-]{36})": (client, id) => [
     pages.RunPage.load(),
     client.query(runQuery(id)).then((run) => fetchBehaviour(client, run.behaviour_id)),
     client.query(resultsQuery(id)),
     client.query(metricsQuery(client, id)),
   ],
-  "/recordings/(\\d+)": (client, id) => [
+  "/recordings/([0-9]+)": (client, id) => [
     pages.RecordingPage.load(),
     client
       .query(recordingQuery(Number(id)))

@@ -210,7 +210,7 @@ def test_what_was_understood_is_the_first_figure_without_measures(
         run.outcome = run.outcome.model_copy(update={"headline": headline})
     page = Elements(made(workplace, run_id).html.decode())
     assert "What Tril understood, of a whole game 88% Person 31%" in page.text
-    assert "more of what Tril understood than your best games: 88% against 31%" in page.text
+    assert "more of what Tril understood than your best games do: 88% against 31%" in page.text
 
 
 def test_measures_are_figures_with_those_of_the_person(workplace: Workplace, run_id: str) -> None:

@@ -192,7 +192,7 @@ def test_without_targets_what_was_understood_is_compared() -> None:
     said = verdict(by_statement(shares(0.88, 0.27, 0.31), lost=0.1))
     assert (said.tone, said.next_step) == ("good", "games")
     assert said.sentence == (
-        "The imitator shows more of what Tril understood than your best games: 88% against 31%."
+        "The imitator shows more of what Tril understood than your best games do: 88% against 31%."
     )
     assert "The clone shows 27%: the imitator is clearly better." in said.details
     assert "The imitator loses some of its games (10%)." in said.details
@@ -204,7 +204,10 @@ def test_without_targets_what_was_understood_is_compared() -> None:
         (shares(0.70, 0.40, 0.72), "as much of what Tril understood as your best games", "good"),
         (shares(0.50, 0.40, 0.72), "less of what Tril understood than your best games", "fair"),
         (shares(0.38, 0.40, 0.72), "less of what Tril understood than your best games", "bad"),
-        (shares(-0.10, 0.00, 0.72), "your best games: 0% against 72%", "bad"),
+        # Where the best games show nothing, nobody is as good as they.
+        (shares(0.00, -0.10, 0.00), "less of what Tril understood than", "fair"),
+        (shares(0.72, 0.95, 0.72), "as much of what Tril understood as", "bad"),
+        (shares(-0.10, 0.00, 0.72), "your best games do: 0% against 72%", "bad"),
     ],
 )
 def test_the_clone_and_the_best_games_set_the_tone(
@@ -215,9 +218,15 @@ def test_the_clone_and_the_best_games_set_the_tone(
     assert said.tone == tone
 
 
+def test_a_run_in_which_only_the_critic_learned_is_too_short_in_any_behaviour() -> None:
+    said = verdict(replace(by_statement(shares(0.9, 0.2, 0.5)), steps=1))
+    assert (said.tone, said.next_step) == ("bad", "train")
+    assert said.details.endswith("so the imitator still plays as it began.")
+
+
 def test_a_guess_is_praised_no_further_than_it_is_sure() -> None:
     said = verdict(replace(by_statement(shares(0.88, 0.27, 0.31)), sureness=0.25))
     assert (said.tone, said.next_step) == ("fair", "rank")
-    assert "its likeliest guess had 25%" in said.details
+    assert "its likeliest guess had a probability of 25%" in said.details
     meant = verdict(replace(by_statement(shares(0.88, 0.27, 0.31)), sureness=None))
     assert meant.tone == "good"

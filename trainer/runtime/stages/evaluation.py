@@ -24,7 +24,7 @@ from tril.store.training.evaluations import (
     ActionSelection,
     EvaluationKey,
 )
-from tril.vocabulary.moments import Seconds, seconds_of
+from tril.vocabulary.moments import Seconds, seconds_of, steps_per_second
 from tril.vocabulary.whereabouts import place_columns, share_elsewhere
 
 _GAMES_PLACED = 8
@@ -130,32 +130,36 @@ def headline(data: RunData) -> Headline:
     )
 
 
-def understood_shares(data: RunData, games: Sequence[EvaluationRow]) -> UnderstoodShares:
+def understood_shares(data: RunData, games: Sequence[EvaluationRow]) -> UnderstoodShares | None:
     """Return how much of what was understood games show.
 
     Args:
         data: The run.
         games: Its evaluation games, loaded with their recordings.
+
+    Returns:
+        None where the best demonstrations' states are worth no more than a game that is over.
     """
-    context, model = data.context, data.reward_model
-    max_steps = context.game.clock.max_steps
+    model, max_steps = data.reward_model, data.context.game.clock.max_steps
+    best = [
+        model.level(model.score(seen.observations[1 : max_steps + 1]))
+        for seen in data.perfect_trajectories
+    ]
+    unit = float(np.concatenate(best).mean())
+    if unit <= 0:
+        return None
     shares: dict[str, list[float]] = {policy: [] for policy in POLICIES}
     for row in _headline_games(games):
         if row.predicted_return is None:
             continue
-        (beginning,) = beginnings(context.game, context.recipe.evaluation, [row.start_number])
         # R is of the steps that the policy has played.
-        opening = len(beginning.actions) if isinstance(beginning, Opening) else 0
+        opening = _opening_steps(data, row)
         n_steps = evaluations.figures_of(row).steps - opening
-        shares[row.policy].append(
-            model.share_of_game(row.predicted_return, n_steps, max_steps - opening)
-        )
-    best = []
-    for seen in data.perfect_trajectories:
-        rewards = model.score(seen.observations[1:])
-        best.append(model.share_of_game(float(rewards.sum()), len(rewards), max_steps))
+        total = model.total_level(row.predicted_return, n_steps)
+        shares[row.policy].append(total / unit / (max_steps - opening))
     imitator, clone = (interval(shares[policy]) if shares[policy] else None for policy in POLICIES)
-    return UnderstoodShares(imitator=imitator, clone=clone, best=interval(best))
+    of_best = [float(levels.sum()) / unit / max_steps for levels in best]
+    return UnderstoodShares(imitator=imitator, clone=clone, best=interval(of_best))
 
 
 def elsewhere_shares(data: RunData, games: Sequence[EvaluationRow]) -> ElsewhereShares | None:
@@ -168,22 +172,25 @@ def elsewhere_shares(data: RunData, games: Sequence[EvaluationRow]) -> Elsewhere
     Returns:
         None where nothing on the game's screen has a place.
     """
-    columns = place_columns(data.words)
+    columns, clock = place_columns(data.words), data.context.game.clock
     if not columns:
         return None
+    best = [seconds_of(facts, clock) for facts in data.facts(data.snapshot.perfect)]
 
-    def seconds(ids: Sequence[int]) -> list[Seconds]:
-        return [seconds_of(facts, data.context.game.clock) for facts in data.facts(ids)]
-
-    best = seconds(data.snapshot.perfect)
-
-    def away(game: Seconds, others: Sequence[Seconds]) -> float:
-        return float(np.mean([share_elsewhere(game, other, columns) for other in others]))
+    def away(game: Seconds, others: Sequence[Seconds], most_seconds: int | None = None) -> float:
+        return float(
+            np.mean([share_elsewhere(game, other[:most_seconds], columns) for other in others])
+        )
 
     def away_from_best(policy: str) -> Interval | None:
-        ids = [row.recording_id for row in _headline_games(games) if row.policy == policy]
-        played = seconds(ids[:_GAMES_PLACED])
-        return interval([away(game, best) for game in played]) if played else None
+        rows = [row for row in _headline_games(games) if row.policy == policy][:_GAMES_PLACED]
+        shares = []
+        for row, facts in zip(rows, data.facts([one.recording_id for one in rows]), strict=True):
+            # Both from where they begin to play, and for as long.
+            opening = _opening_steps(data, row)
+            most_seconds = (clock.max_steps - opening) // steps_per_second(clock)
+            shares.append(away(seconds_of(facts[opening:], clock), best, most_seconds))
+        return interval(shares) if shares else None
 
     among_best = [
         away(game, [*best[:index], *best[index + 1 :]])
@@ -199,3 +206,10 @@ def elsewhere_shares(data: RunData, games: Sequence[EvaluationRow]) -> Elsewhere
 
 def _headline_games(games: Sequence[EvaluationRow]) -> list[EvaluationRow]:
     return [row for row in games if row.held_out and row.action_selection == "greedy"]
+
+
+def _opening_steps(data: RunData, row: EvaluationRow) -> int:
+    """Return the steps of an evaluation game that were played before the policy's first."""
+    context = data.context
+    (beginning,) = beginnings(context.game, context.recipe.evaluation, [row.start_number])
+    return len(beginning.actions) if isinstance(beginning, Opening) else 0

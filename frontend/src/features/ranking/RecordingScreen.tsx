@@ -57,7 +57,7 @@ function Loop({ frames, size }: { frames: RecordedFrames; size: ScreenSize }) {
 const HOVER_DELAY_MS = 150;
 
 /** Returns handlers to spread on an element, for when it begins to be hovered or focused. */
-export function useHover(onStart: () => void): Record<string, () => void> {
+export function useHover(onStart: () => void) {
   const timer = useRef<ReturnType<typeof setTimeout> | null>(null);
   const stop = () => {
     if (timer.current) clearTimeout(timer.current);

@@ -1,6 +1,6 @@
 import { t } from "@lingui/core/macro";
-import { useQuery } from "@tanstack/react-query";
-import { Suspense, useState } from "react";
+import { queryOptions, useQuery } from "@tanstack/react-query";
+import { useState } from "react";
 
 import { resultsQuery } from "@/api/runs";
 import type { Behaviour, Recording, Run } from "@/api/types";
@@ -22,14 +22,19 @@ import styles from "./RunPage.module.css";
 import type { Watched } from "./watched";
 
 const RunSections = onDemand(async () => (await import("./RunSections")).RunSections);
-// Beside the page, not before it.
-void RunSections.load();
+/** Its code, which is loaded beside the page, not before it. */
+const sectionsQuery = queryOptions({
+  queryKey: ["code", "run sections"],
+  queryFn: RunSections.load,
+  staleTime: Infinity,
+});
 
 /** A run: its progress while it is active, and its results. */
 export function RunPage({ run, behaviour }: { run: Run; behaviour: Behaviour }) {
   const { data: results, error, refetch } = useQuery(resultsQuery(run.id));
   const [watched, setWatched] = useState<Watched | null>(null);
   const isDone = run.status === "done";
+  const sections = useQuery(sectionsQuery);
   const loading = <Loading what={t`the results`} rows={2} height="12rem" />;
   const result = results && <ResultView run={run} results={results} behaviour={behaviour} />;
   return (
@@ -46,9 +51,17 @@ export function RunPage({ run, behaviour }: { run: Run; behaviour: Behaviour }) 
       {results && <Alarms results={results} />}
       {isDone ? null : result}
       {results ? (
-        <Suspense fallback={loading}>
+        sections.data ? (
           <RunSections run={run} results={results} behaviour={behaviour} onWatch={setWatched} />
-        </Suspense>
+        ) : sections.error ? (
+          <Failed
+            what={t`What else there is to say`}
+            error={sections.error}
+            onRetry={() => void sections.refetch()}
+          />
+        ) : (
+          loading
+        )
       ) : error ? (
         <Failed what={t`The results`} error={error} onRetry={() => void refetch()} />
       ) : (

@@ -35,10 +35,10 @@ describe("the path", () => {
     expect(again).toMatchObject({ done: true, caption: "Training, 34%" });
   });
 
-  it("ends with how much of what is meant the imitator plays", () => {
+  it("ends with how much of what was understood the imitator plays", () => {
     const share = { mean: 0.876, low: 0.8, high: 0.9, n: 23 };
     const understood = { imitator: share, clone: null, best: share };
     const done = { status: "done" as const, progress: 1, headline: headline({ understood }) };
-    expect(pathOf(none, [done])[3]?.caption).toBe("88% of what is meant");
+    expect(pathOf(none, [done])[3]?.caption).toBe("88% of what was understood");
   });
 });

@@ -211,7 +211,7 @@ function cardOf(props: BoardProps, id: number, placeName: string): ReactNode {
   const { onPreview, onMove, onSelect, onPerfect, onGiveBack, renderOpinion } = props;
   if (isWhole && !recordings.has(id)) return null;
   return (
-    <div key={id}>
+    <div key={id} className={styles.item}>
       <ShownCard
         recordingId={id}
         pinned={moved === id || placeName === TRAY}

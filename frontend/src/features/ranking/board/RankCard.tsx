@@ -1,6 +1,6 @@
 import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
-import type { ReactNode } from "react";
+import type { ReactNode, SyntheticEvent } from "react";
 
 import type { Behaviour, Recording } from "@/api/types";
 import { IconButton } from "@/components/controls/Button";
@@ -66,8 +66,9 @@ export function RankCard(props: RankCardProps) {
         selected && styles.selected,
         isDragging && styles.lifted,
       )}
-      onClick={onPreview}
       {...hover}
+      onClick={outsideDetails(onPreview)}
+      onFocus={outsideDetails(hover.onFocus)}
       {...listeners}
       {...LOOPS}
     >
@@ -102,6 +103,13 @@ export function RankCard(props: RankCardProps) {
       )}
     </article>
   );
+}
+
+/** Does nothing on events in what unfolds: to read a contradiction is not a wish to see the game. */
+function outsideDetails(act: () => void): (event: SyntheticEvent) => void {
+  return ({ target }) => {
+    if (!(target instanceof Element && target.closest("details"))) act();
+  };
 }
 
 /** The card as it is shown while dragged. */

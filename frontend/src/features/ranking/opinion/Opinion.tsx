@@ -49,14 +49,14 @@ export function Opinion({ opinion, tier, kept, current, onMove, onKeep }: Opinio
   }
   return (
     <div className={styles.opinion}>
-      {/* As high as the line without a contradiction: it comes while cards are dragged. */}
+      {/* The line takes no more room than without a contradiction: it comes while cards are dragged. */}
       <details className={styles.contradiction} aria-label={t`Contradiction at ${name}`}>
         <summary className={styles.place}>
-          {scale}
           <Icon name="alert" />
           {placeText(tier, opinion)}
         </summary>
         <div className={styles.reason}>
+          {scale}
           <p>
             {opinion.tier < tier ? (
               <Trans>

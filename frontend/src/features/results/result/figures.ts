@@ -71,7 +71,10 @@ function blindFigure({ blind }: RunResults): Figure[] {
 function understoodFigures({ run: { headline } }: RunResults): Figure[] {
   const shown = [
     { name: t`What Tril understood, of a whole game`, shares: headline?.understood },
-    { name: t`Time elsewhere than your best games`, shares: headline?.elsewhere },
+    {
+      name: t`Time spent elsewhere than in your best games (less is closer)`,
+      shares: headline?.elsewhere,
+    },
   ];
   return shown.flatMap(({ name, shares }) => {
     if (!shares?.imitator) return [];
