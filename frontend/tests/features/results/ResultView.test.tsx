@@ -319,7 +319,10 @@ describe("what a result says", () => {
     const understoodRun = run({ ...ONE, headline: headline({ understood, elsewhere }) });
     const shown = results(understoodRun, { check: CHECK });
     const [first, second] = figuresOf(shown, behaviour({ target: null }), SPACE_INVADERS);
-    expect(second).toMatchObject({ name: "Time spent elsewhere than in your best games (less is closer)", value: "42%" });
+    expect(second).toMatchObject({
+      name: "Time spent elsewhere than in your best games (less is closer)",
+      value: "42%",
+    });
     expect(second?.others).toEqual([]);
     expect(first).toEqual({
       name: "What Tril understood, of a whole game",
