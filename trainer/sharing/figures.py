@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from trainer.sharing.words import measure_title, measure_value
 from tril.analysis.blind import BlindResult
-from tril.analysis.outcome import Headline
+from tril.analysis.outcome import ElsewhereShares, UnderstoodShares
 from tril.analysis.summary import Interval, PolicySummary
 from tril.games.base import Game
 from tril.games.behaviours import Behaviour
@@ -90,8 +90,20 @@ def figures_of(
     n_targets = None if behaviour.target is None else len(behaviour.target)
     summary = list(_summary(evaluations.summaries(games, n_targets), behaviour, game))
     measures = list(_measures(behaviour, game, games, demonstrations))
-    understood = list(_understood(run.outcome.headline))
-    figures = [*summary, *measures] if behaviour.target else [*measures, *understood, *summary]
+    figures = [*summary, *measures]
+    if behaviour.target is None:
+        shares = run.outcome.headline
+        figures = [
+            *measures,
+            *_shares_of_games(
+                "Does what Tril understood, of a whole game", shares and shares.understood
+            ),
+            *summary,
+            *_shares_of_games(
+                "Time spent where the best games were not (lower is closer)",
+                shares and shares.elsewhere,
+            ),
+        ]
     if blind is not None:
         figures.insert(1 if behaviour.target or measures else 0, _blind(blind))
     if (check := run.outcome.check) is not None:
@@ -109,23 +121,23 @@ def _blind(blind: BlindResult) -> Figure:
     return Figure(name, f"{share.mean:.0%}", others, share)
 
 
-def _understood(headline: Headline | None) -> Iterator[Figure]:
-    if headline is None:
+def _shares_of_games(
+    name: str, shares: UnderstoodShares | ElsewhereShares | None
+) -> Iterator[Figure]:
+    if shares is None or shares.imitator is None:
         return
-    for name, shares in (
-        ("What Tril understood, of a whole game", headline.understood),
-        ("Time spent elsewhere than in your best games (less is closer)", headline.elsewhere),
-    ):
-        if shares is None or shares.imitator is None:
-            continue
-        known = [
-            (actor, share)
-            for actor, share in (("clone", shares.clone), ("person", shares.best))
-            if share is not None
-        ]
-        others = tuple(OtherPlayer(actor, _share(share), share) for actor, share in known)
-        high = max(1.0, shares.imitator.high, *(share.high for _, share in known))
-        yield Figure(name, _share(shares.imitator), others, shares.imitator, 0.0, high)
+    known = [
+        (actor, share)
+        for actor, share in (("clone", shares.clone), ("person", shares.best))
+        if share is not None
+    ]
+    # Of the person, measures are of all ranked games.
+    others = tuple(
+        OtherPlayer(actor, _share(share) + " in the best games" * (actor == "person"), share)
+        for actor, share in known
+    )
+    high = max(1.0, shares.imitator.high, *(share.high for _, share in known))
+    yield Figure(name, _share(shares.imitator), others, shares.imitator, 0.0, high)
 
 
 def _share(share: Interval) -> str:
@@ -192,5 +204,8 @@ def _measures(
             if mean is not None
         }
         if (value := texts.pop("imitator", None)) is not None:
-            others = tuple(OtherPlayer(player, text) for player, text in texts.items())
+            others = tuple(
+                OtherPlayer(player, text + " in all ranked games" * (player == "person"))
+                for player, text in texts.items()
+            )
             yield Figure(measure_title(measure, game), value, others)

@@ -17,6 +17,8 @@ the run's games to watch."""
 GOOD_SHARE = 0.9
 """Share of the best demonstration's targets, or of what the best demonstrations show of what was
 understood, from which on an imitator has learned it."""
+MOST_MET = 0.5
+"""Share of the games that meet a measure from which on the imitator counts as meeting it."""
 SURE = 1 / 3
 """Probability of the likeliest statement below which nobody can tell what was learned: others of a
 few that share the rest often say nearly the same."""
@@ -49,6 +51,8 @@ class RunFigures:
         is_alarmed: Whether the reward may be hacked.
         sureness: Probability of the likeliest statement about the order; None if there is none, or
             if a person has said what is meant.
+        measures_met: Of each measure of the behaviour that sets bounds, the share of the imitator's
+            games, those of the headline, that meet it.
     """
 
     ended: Ended
@@ -61,6 +65,7 @@ class RunFigures:
     headline: Headline | None
     is_alarmed: bool
     sureness: float | None = None
+    measures_met: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -236,21 +241,27 @@ def _by_statement(
     # Games that are lost earn nothing afterwards, so that losses count on both sides.
     is_as_good = share.mean >= GOOD_SHARE * best.mean > 0
     compared = (
-        "more of what Tril understood than"
+        "better than"
         if share.low > best.mean > 0
-        else "as much of what Tril understood as"
+        else "about as well as"
         if is_as_good
-        else "less of what Tril understood than"
+        else "less well than"
     )
     sentence = (
-        f"The imitator shows {compared} your best games do: {_percent(share.mean)} against"
-        f" {_percent(best.mean)}."
+        f"The imitator does what Tril understood {compared} the best games that it learned from:"
+        f" {_percent(share.mean)} against {_percent(best.mean)}."
     )
+    n_met = sum(met >= MOST_MET for met in run.measures_met)
     details = " ".join(
         part
         for part in (
-            "100% is a whole game that is all the time as good as your best ones while they last.",
-            clone and _told_apart(f"The clone shows {_percent(clone.mean)}", share, clone),
+            "100% would be a game of full length, played throughout as well as those. One that ends"
+            " early earns less.",
+            clone
+            and _told_apart(
+                f"The clone, which only copies, reaches {_percent(clone.mean)}", share, clone
+            ),
+            _measures(n_met, len(run.measures_met)),
             _lost(imitator.death_rate),
         )
         if part
@@ -267,6 +278,12 @@ def _by_statement(
             "rank",
         )
     is_worse = clone is not None and share.high < clone.low
+    if is_as_good and not is_worse and n_met < len(run.measures_met):
+        advice = (
+            "It does not do all that you measure yet: rank games that differ in what is missing,"
+            " and train again."
+        )
+        return Verdict("fair", sentence, details, advice, "rank")
     if is_as_good and not is_worse:
         advice = "Is it what you meant? Watch some of its games, or compare them blind."
         return Verdict("good", sentence, details, advice, "games")
@@ -277,6 +294,14 @@ def _by_statement(
         return Verdict(tone, sentence, details, advice, "train")
     advice = "Teach it more: rank some of its own games among the others, and train further."
     return Verdict(tone, sentence, details, advice, "teach")
+
+
+def _measures(n_met: int, n: int) -> str:
+    if not n:
+        return ""
+    if n == 1:
+        return f"It meets your measure in {'most' if n_met else 'few'} of its games."
+    return f"It meets {n_met} of your {n} measures in most of its games."
 
 
 def _without_targets(imitator: PolicySummary, clone: PolicySummary | None) -> Verdict:

@@ -145,6 +145,9 @@ def shuffles_as_good(
     A permutation test (Fisher 1935) of the evidence: of orders drawn blindly one in twenty
     surpasses all shuffled ones, whatever the games are like. The evidence alone does not tell, as
     games that are alike in many ways, such as in how long they last, make many orders probable.
+    It is of three kinds, each standardised over the orders and added up: for the order alone, for
+    the order given the best efforts, and for statements with one weight. Where one is weak another
+    tells; see docs/decisions/26-statements.md.
 
     Args:
         words: As in ``understand``.
@@ -165,17 +168,64 @@ def shuffles_as_good(
     if not (log_prior > -np.inf).any():
         raise NothingPossible(NOTHING_LEFT)
 
-    evidence = Evidence(games.values, words.columns, log_prior, games.best_choices(1.0))
-    reached = evidence.log_evidence(games.choices(tiers))
+    shaped = games.shaped(log_prior)
+    best_choices = games.best_choices(BEST_EFFORT_WEIGHT)
+    known = [None] if best_choices is None else [None, games.best_choices(1.0)]
+    free = [Evidence(games.values, words.columns, log_prior, one) for one in known]
+
+    def log_evidences(order: Tiers) -> list[float]:
+        choices = games.choices(order)
+        with_best = choices if best_choices is None else choices + best_choices
+        one_weight = float(np.logaddexp.reduce(shaped.log_joint(with_best)))
+        return [*(one.log_evidence(choices) for one in free), one_weight]
+
     # The same games in the same order always give the same number.
     rng = np.random.default_rng(len(tiers))
     ranked = [game for tier in tiers for game in tier]
     ends = np.cumsum([len(tier) for tier in tiers])
-    n_as_good = 0
+    orders = [tiers]
     for _ in range(N_SHUFFLES):
-        shuffled = [tier.tolist() for tier in np.split(rng.permutation(ranked), ends[:-1])]
-        n_as_good += evidence.log_evidence(games.choices(shuffled)) >= reached
-    return n_as_good
+        orders.append([tier.tolist() for tier in np.split(rng.permutation(ranked), ends[:-1])])
+    reached = _standardised_sum(np.array([log_evidences(order) for order in orders]))
+    return int((reached[1:] >= reached[0]).sum())
+
+
+def _standardised_sum(log_evidences: Array) -> Array:
+    """Return the sum of each order's kinds of log evidence, each with a standard deviation of 1.
+
+    Args:
+        log_evidences: float64 (n_orders, n_kinds); -inf for what is impossible.
+    """
+    total = np.zeros(len(log_evidences))
+    for kind in log_evidences.T:
+        finite = kind[np.isfinite(kind)]
+        if len(finite):
+            possible = np.maximum(kind, finite.min())
+            total += (possible - possible.mean()) / max(float(possible.std()), 1e-9)
+    return total
+
+
+@dataclass(frozen=True)
+class _Shaped:
+    """Statements with one weight: sums of a group's facts.
+
+    Attributes:
+        values: Of the games and the varied ones, standardised, float64 (n_rows, n_shapes).
+        spread: What each sum was divided by, float64 (n_shapes,).
+        group: Index of each one's group, int64 (n_shapes,).
+        is_positive: Whether the weight is above 0, bool (n_shapes,).
+        log_p: Log of the prior probability, float64 (n_shapes,).
+    """
+
+    values: Array
+    spread: Array
+    group: npt.NDArray[np.int64]
+    is_positive: npt.NDArray[np.bool_]
+    log_p: Array
+
+    def log_joint(self, choices: Choices) -> Array:
+        """Return the log of each one's prior times its evidence by one Newton step from 0."""
+        return self.log_p + evidence_of_one_step(self.values, choices, self.is_positive)
 
 
 @dataclass(frozen=True)
@@ -236,12 +286,11 @@ class _Games:
             parts.append(Part(index, columns, basis, self.values[:, columns], log_p))
         return parts
 
-    def shaped_parts(self, log_prior: Array, choices: Choices) -> list[Part]:
-        """Return the parts of statements with one weight that are worth a closer look.
+    def shaped(self, log_prior: Array) -> _Shaped:
+        """Return the statements with one weight.
 
         Args:
             log_prior: Log of the prior probability of each group.
-            choices: The order.
         """
         shapes = [group.shapes for group in self.words.groups]
         columns = self.words.columns
@@ -254,27 +303,41 @@ class _Games:
         # Rows as in `self.facts`: the games, then the varied ones that they are compared with.
         n_compared = len(self.facts) - self.n_games
         values = np.concatenate([sums[len(self.words.pool) :], sums[:n_compared]])
-        values = (values - values.mean(0)) / spread
         n_shapes = [len(one.shares) for one in shapes]
-        group_of = np.repeat(np.arange(len(shapes)), n_shapes)
-        is_positive = np.repeat([one.is_positive for one in shapes], n_shapes)
-        log_p = log_prior[group_of] + np.log(np.concatenate([one.shares for one in shapes]))
-        log_joint = log_p + evidence_of_one_step(values, choices, is_positive)
-        first = np.cumsum([0, *n_shapes])
+        group = np.repeat(np.arange(len(shapes)), n_shapes)
+        return _Shaped(
+            (values - values.mean(0)) / spread,
+            spread,
+            group,
+            np.repeat([one.is_positive for one in shapes], n_shapes),
+            log_prior[group] + np.log(np.concatenate([one.shares for one in shapes])),
+        )
+
+    def shaped_parts(self, log_prior: Array, choices: Choices) -> list[Part]:
+        """Return the parts of statements with one weight that are worth a closer look.
+
+        Args:
+            log_prior: Log of the prior probability of each group.
+            choices: The order.
+        """
+        found = self.shaped(log_prior)
+        log_joint = found.log_joint(choices)
+        shapes = [group.shapes for group in self.words.groups]
+        first = np.cumsum([0, *(len(one.shares) for one in shapes)])
         parts: list[Part] = []
         for index in np.argsort(-log_joint, kind="stable")[:N_SHAPED].tolist():
             if log_joint[index] == -np.inf:
                 break
-            group = int(group_of[index])
-            basis = shapes[group].sums[:, [index - first[group]]] / spread[index]
+            group = int(found.group[index])
+            basis = shapes[group].sums[:, [index - first[group]]] / found.spread[index]
             parts.append(
                 Part(
                     group,
-                    columns[group],
+                    self.words.columns[group],
                     basis,
-                    values[:, [index]],
-                    float(log_p[index]),
-                    bool(is_positive[index]),
+                    found.values[:, [index]],
+                    float(found.log_p[index]),
+                    bool(found.is_positive[index]),
                 )
             )
         return parts

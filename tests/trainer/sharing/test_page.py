@@ -209,8 +209,8 @@ def test_what_was_understood_is_the_first_figure_without_measures(
         headline = run.outcome.headline.model_copy(update={"understood": shares})
         run.outcome = run.outcome.model_copy(update={"headline": headline})
     page = Elements(made(workplace, run_id).html.decode())
-    assert "What Tril understood, of a whole game 88% Person 31%" in page.text
-    assert "more of what Tril understood than your best games do: 88% against 31%" in page.text
+    assert "Does what Tril understood, of a whole game 88% Person 31% in the best games" in page.text
+    assert "better than the best games that it learned from: 88% against 31%" in page.text
 
 
 def test_measures_are_figures_with_those_of_the_person(workplace: Workplace, run_id: str) -> None:
@@ -227,7 +227,7 @@ def test_measures_are_figures_with_those_of_the_person(workplace: Workplace, run
         for game in evaluations.listing(session, run_id):
             game.recording.measured = {measures[0].key: 120.0, measures[1].key: 0.5}
     page = Elements(made(workplace, run_id).html.decode())
-    assert "Score: at least 100 120 Clone 120 Person 50" in page.text
+    assert "Score: at least 100 120 Clone 120 Person 50 in all ranked games" in page.text
     assert "Button fire held 50% of the time" in page.text
     assert "0 of 1 measure met" in page.text
     assert "Person, best game" in page.text

@@ -10,10 +10,12 @@ from tril.analysis.outcome import CheckOutcome
 from tril.analysis.reward_alarm import RewardAlarm
 from tril.analysis.verdict import Ended, RunFigures, Verdict, verdict
 from tril.games.behaviours import score
+from tril.games.measuring import measured_before
 from tril.recipes import recipe_from_dict
 from tril.store import behaviours
 from tril.store.models import BehaviourRow, RunRow, RunStatus
 from tril.store.recordings import cells_of
+from tril.store.training import evaluations
 from tril.store.training.demonstrations import best_demonstration
 
 
@@ -42,6 +44,7 @@ def verdict_of(session: Session, run: RunRow, alarm: RewardAlarm | None) -> Verd
             headline=run.outcome.headline,
             is_alarmed=alarm is not None,
             sureness=_sureness(run.outcome.check),
+            measures_met=_measures_met(session, run, behaviour),
         )
     )
 
@@ -51,6 +54,22 @@ def _sureness(check: CheckOutcome | None) -> float | None:
     if check is None or not check.statements or any(answer.meant for answer in check.answers):
         return None
     return check.statements[0].probability
+
+
+def _measures_met(session: Session, run: RunRow, row: BehaviourRow) -> tuple[float, ...]:
+    """Return the share of the imitator's games that meet each measure, see ``RunFigures``."""
+    behaviour = behaviours.as_behaviour(row)
+    games = [
+        game.recording.measured
+        for game in evaluations.listing(session, run.id)
+        if game.held_out and (game.policy, game.action_selection) == ("imitator", "greedy")
+    ]
+    if not behaviour.measures or not games:
+        return ()
+    measured = [measured_before(behaviour.measures, values) for values in games]
+    met = [[one.met for one in of_measure] for of_measure in zip(*measured, strict=True)]
+    known = [[value for value in of_measure if value is not None] for of_measure in met]
+    return tuple(sum(values) / len(values) for values in known if values)
 
 
 def _best_targets(session: Session, run: RunRow) -> int | None:

@@ -85,7 +85,7 @@ function Curve({ trace, playback, last, hits }: CurveProps) {
           </Trans>
         </span>
         <span>
-          <Trans>0: how demonstrations begin, 1: how the best ones end</Trans>
+          <Trans>0: nothing reached, 1: as in the best games</Trans>
         </span>
         {deviations && (
           <span>

@@ -77,7 +77,7 @@ function lookCaption(
   }
   const understood = finished?.headline?.understood?.imitator;
   if (understood && !behaviour.target) {
-    return t`${wholeShare(understood.mean)} of what was understood`;
+    return t`imitator: ${wholeShare(understood.mean)}`;
   }
   return runs.length === 0
     ? t`what was learned`

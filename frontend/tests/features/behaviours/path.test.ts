@@ -39,6 +39,6 @@ describe("the path", () => {
     const share = { mean: 0.876, low: 0.8, high: 0.9, n: 23 };
     const understood = { imitator: share, clone: null, best: share };
     const done = { status: "done" as const, progress: 1, headline: headline({ understood }) };
-    expect(pathOf(none, [done])[3]?.caption).toBe("88% of what was understood");
+    expect(pathOf(none, [done])[3]?.caption).toBe("imitator: 88%");
   });
 });

@@ -295,7 +295,9 @@ describe("what a result says", () => {
       "Death rate 13%",
       "Agreement of R with the ranking, 1 at most 0.92",
     ]);
-    expect(figures[0]?.others).toEqual([{ actor: "person", text: "15.0", interval: null }]);
+    expect(figures[0]?.others).toEqual([
+      { actor: "person", text: "15.0 in all ranked games", interval: null },
+    ]);
   });
 
   it("writes a share of the time in no more room than a figure has", () => {
@@ -309,7 +311,7 @@ describe("what a result says", () => {
     const [first] = figuresOf(shown, behaviour({ target: null }), SPACE_INVADERS);
     expect(first?.name).toMatch(/held: at least 90% of the time$/);
     expect(first?.value).toBe("98%");
-    expect(first?.others.map(({ text }) => text)).toEqual(["90%", "68%"]);
+    expect(first?.others.map(({ text }) => text)).toEqual(["90%", "68% in all ranked games"]);
   });
 
   it("has what Tril understood first where nothing measures the behaviour", () => {
@@ -319,19 +321,19 @@ describe("what a result says", () => {
     const understoodRun = run({ ...ONE, headline: headline({ understood, elsewhere }) });
     const shown = results(understoodRun, { check: CHECK });
     const [first, second] = figuresOf(shown, behaviour({ target: null }), SPACE_INVADERS);
-    expect(second).toMatchObject({
-      name: "Time spent elsewhere than in your best games (less is closer)",
-      value: "42%",
-    });
-    expect(second?.others).toEqual([]);
     expect(first).toEqual({
-      name: "What Tril understood, of a whole game",
+      name: "Does what Tril understood, of a whole game",
       value: "88%",
       others: [
         { actor: "clone", text: "0%", interval: share(-0.02) },
-        { actor: "person", text: "31%", interval: share(0.31) },
+        { actor: "person", text: "31% in the best games", interval: share(0.31) },
       ],
       plot: { interval: share(0.88), low: 0, high: 1 },
+    });
+    expect(second).toMatchObject({
+      name: "Time spent where the best games were not (lower is closer)",
+      value: "42%",
+      others: [],
     });
     expect(figuresOf(shown, behaviour(), SPACE_INVADERS)[0]?.name).not.toMatch(/understood/);
   });

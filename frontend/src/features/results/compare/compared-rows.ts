@@ -3,7 +3,7 @@
 import { t } from "@lingui/core/macro";
 
 import type { Interval, PolicySummary, Run } from "@/api/types";
-import { fixed, percent, whole } from "@/lib/format";
+import { fixed, percent, whole, wholeShare } from "@/lib/format";
 import { valueRows } from "@/lib/recipe-values";
 import { shortId } from "@/lib/runs";
 
@@ -37,14 +37,21 @@ export function resultRows(
   policy: "imitator" | "clone",
   nTargets: number | null,
 ): readonly ResultRow[] {
-  return measures()
-    .map(({ key, name, write, most }) => ({
+  const understood = runs.map(({ headline }) => headline?.understood?.[policy] ?? null);
+  return [
+    {
+      name: t`Does what Tril understood, of a whole game`,
+      write: wholeShare,
+      cells: understood,
+      high: Math.max(1, ...understood.map((share) => share?.high ?? 0)),
+    },
+    ...measures().map(({ key, name, write, most }) => ({
       name: key === "targets" && nTargets !== null ? t`${name}, of ${nTargets}` : name,
       write,
       cells: runs.map((run) => run.headline?.[policy]?.[key] ?? null),
       high: (key === "targets" ? nTargets : most) ?? highest(runs, key),
-    }))
-    .filter(({ cells }) => cells.some((cell) => cell !== null));
+    })),
+  ].filter(({ cells }) => cells.some((cell) => cell !== null));
 }
 
 /** Returns the highest upper bound of any run's imitator or clone; at least 1. */

@@ -72,8 +72,10 @@ export function RunsTable({ runs, behaviour, selected, onSelect }: RunsTableProp
             {of === undefined && (
               <th scope="col">
                 <ActorMark actor="imitator">
-                  <abbr title={t`How much the imitator shows of what Tril understood`}>
-                    <Trans>Understood</Trans>
+                  <abbr
+                    title={t`How much the imitator does of what Tril understood, of a whole game`}
+                  >
+                    <Trans>As understood</Trans>
                   </abbr>
                 </ActorMark>
               </th>

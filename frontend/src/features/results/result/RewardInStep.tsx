@@ -81,7 +81,7 @@ function Curves({
           <Trans>Learned reward R</Trans>
         </b>
         <span className={styles.scale}>
-          <Trans>0: how demonstrations begin, 1: how the best ones end</Trans>
+          <Trans>0: nothing reached, 1: as in the best games</Trans>
         </span>
       </p>
       <div className={styles.plotted}>

@@ -38,9 +38,10 @@ export function figuresOf(
 ): readonly Figure[] {
   const summary = summaryFigures(results, behaviour, game);
   const measures = measureFigures(results, game);
+  const [understood, elsewhere] = understoodFigures(results);
   const asked = behaviour.target
     ? [...summary, ...measures]
-    : [...measures, ...understoodFigures(results), ...summary];
+    : [...measures, ...understood, ...summary, ...elsewhere];
   // What people said of it comes first where nothing measures the behaviour, else second.
   const isMeasured = behaviour.target !== null || measures.length > 0;
   const others = asked.splice(isMeasured ? 1 : 0);
@@ -64,31 +65,39 @@ function blindFigure({ blind }: RunResults): Figure[] {
   ];
 }
 
+interface Shares {
+  readonly imitator: Interval | null;
+  readonly clone: Interval | null;
+  readonly best: Interval | null;
+}
+
 /**
  * How much games show of what Tril understood, as shares of a whole game as good as the best; and how
  * far they are from the best games in where things are and when.
  */
-function understoodFigures({ run: { headline } }: RunResults): Figure[] {
-  const shown = [
-    { name: t`What Tril understood, of a whole game`, shares: headline?.understood },
-    {
-      name: t`Time spent elsewhere than in your best games (less is closer)`,
-      shares: headline?.elsewhere,
-    },
-  ];
-  return shown.flatMap(({ name, shares }) => {
+function understoodFigures({ run: { headline } }: RunResults): [Figure[], Figure[]] {
+  const figureOf = (name: string, shares: Shares | null | undefined): Figure[] => {
     if (!shares?.imitator) return [];
     const { imitator, clone, best } = shares;
     const others = [
       { actor: "clone" as const, interval: clone },
       { actor: "person" as const, interval: best },
     ].flatMap(({ actor, interval }) =>
-      interval ? [{ actor, text: wholeShare(interval.mean), interval }] : [],
+      interval ? [{ actor, text: shareOf(actor, wholeShare(interval.mean)), interval }] : [],
     );
     const high = Math.max(1, imitator.high, ...others.map(({ interval }) => interval.high));
     const plot = { interval: imitator, low: 0, high };
     return [{ name, value: wholeShare(imitator.mean), others, plot }];
-  });
+  };
+  return [
+    figureOf(t`Does what Tril understood, of a whole game`, headline?.understood),
+    figureOf(t`Time spent where the best games were not (lower is closer)`, headline?.elsewhere),
+  ];
+}
+
+/** Says of a person's figure that it is of the best games, where measures are of all that were ranked. */
+function shareOf(actor: Actor, share: string): string {
+  return actor === "person" ? t`${share} in the best games` : share;
 }
 
 function summaryFigures(
@@ -128,13 +137,19 @@ function measureFigures({ measures }: RunResults, game: TaughtGame): Figure[] {
               { actor: "clone" as const, mean: clone },
               { actor: "person" as const, mean: person },
             ].flatMap(({ actor, mean }) =>
-              mean ? [{ actor, text: shortMean(mean.mean, measure), interval: null }] : [],
+              mean
+                ? [{ actor, text: ofAll(actor, shortMean(mean.mean, measure)), interval: null }]
+                : [],
             ),
             plot: null,
           },
         ]
       : [],
   );
+}
+
+function ofAll(actor: Actor, mean: string): string {
+  return actor === "person" ? t`${mean} in all ranked games` : mean;
 }
 
 /** Writes a mean in as little room as a figure has: its name says that a share is of the time. */

@@ -4,24 +4,26 @@ import type { RankingCheck } from "@/api/types";
 import { recordingName } from "@/lib/recordings";
 import { playedBy } from "@/lib/actors";
 
-import { judgedBy, type Measure, nameOf, write } from "./measure";
+import { judgedBy, type Measure, write } from "./measure";
 import styles from "./reward.module.css";
 import { ScatterPlot } from "./ScatterPlot";
 
 interface RewardByTierProps {
   returns: RankingCheck["returns"];
   measure: Measure;
+  /** What it is called. */
+  name: string;
 }
 
 /** What ranked games are judged by, by tier: decreasing if the reward agrees with the ranking. */
-export function RewardByTier({ returns, measure }: RewardByTierProps) {
+export function RewardByTier({ returns, measure, name }: RewardByTierProps) {
   if (returns.length === 0) return null;
   const tiers = Math.max(...returns.map(({ tier }) => tier), 2);
   return (
     <figure className={styles.scatter}>
-      <figcaption>{t`${nameOf(measure)} by tier, 1 is the best`}</figcaption>
+      <figcaption>{t`${name} by tier, 1 is the best`}</figcaption>
       <ScatterPlot
-        label={t`${nameOf(measure)} by tier`}
+        label={t`${name} by tier`}
         measure={measure}
         range={[0.5, tiers + 0.5]}
         xTicks={Array.from({ length: tiers }, (_, index) => index + 1)}

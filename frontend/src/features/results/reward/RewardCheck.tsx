@@ -28,6 +28,7 @@ export function RewardCheck({ check, message, behaviour, onWatch }: RewardCheckP
   const verdict = verdictOf(check);
   const Wanted = viewOf(behaviour.game)?.Wanted;
   const measure = measureOf(check.returns);
+  const isStatement = check.statements.length > 0;
   return (
     <>
       <Numbers check={check} />
@@ -43,15 +44,26 @@ export function RewardCheck({ check, message, behaviour, onWatch }: RewardCheckP
       {check.confused.length > 0 && <Confused check={check} />}
       {measure === "final_level" && (
         <p className={styles.verdict}>
-          <Trans>
-            The final level is the reward at the end of a game: 0 is how games begin, 1 how the best
-            ones end.
-          </Trans>
+          {isStatement ? (
+            <Trans>
+              What a game reaches in all: 0 is nothing, 1 a game of full length that is played
+              throughout as well as the best ones.
+            </Trans>
+          ) : (
+            <Trans>
+              The final level is the reward at the end of a game: 0 is how games begin, 1 how the
+              best ones end.
+            </Trans>
+          )}
         </p>
       )}
       <div className={styles.check}>
         <Returns check={check} behaviour={behaviour} measure={measure} onWatch={onWatch} />
-        <RewardByTier returns={check.returns} measure={measure} />
+        <RewardByTier
+          returns={check.returns}
+          measure={measure}
+          name={nameOf(measure, isStatement)}
+        />
       </div>
     </>
   );
@@ -178,7 +190,7 @@ function Returns({
             <Trans>Played by</Trans>
           </th>
           <th scope="col" className={tables.right}>
-            {nameOf(measure)}
+            {nameOf(measure, check.statements.length > 0)}
           </th>
         </tr>
       </thead>

@@ -22,7 +22,11 @@ export function judgedBy(measure: Measure, one: RankedReturn): number {
   return measure === "final_level" ? (one.final_level ?? 0) : one.predicted_return;
 }
 
-export function nameOf(measure: Measure): string {
+/**
+ * @param isStatement Whether R is a statement, whose level adds up over a game.
+ */
+export function nameOf(measure: Measure, isStatement = false): string {
+  if (isStatement && measure === "final_level") return t`Reached in all`;
   return measure === "final_level" ? t`Final level` : t`Predicted return`;
 }
 

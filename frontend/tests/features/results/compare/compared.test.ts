@@ -61,6 +61,14 @@ describe("the rows of a comparison", () => {
     expect(resultRows(runs, "clone", 6)).toEqual([]);
   });
 
+  it("have how much each run does of what was understood, where there is a statement", () => {
+    const understood = { imitator: INTERVAL, clone: null, best: INTERVAL };
+    const runs = [run({ headline: headline({ understood }) }), run({ id: "b" })];
+    expect(resultRows(runs, "imitator", null).map(({ name, cells }) => [name, cells])).toEqual([
+      ["Does what Tril understood, of a whole game", [INTERVAL, null]],
+    ]);
+  });
+
   it("have the settings that differ, and no others", () => {
     const one = run({ recipe_values: { policy: { gamma: 0.9, n_envs: 8 } } });
     const other = run({
