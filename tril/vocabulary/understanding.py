@@ -170,8 +170,11 @@ def shuffles_as_good(
 
     shaped = games.shaped(log_prior)
     best_choices = games.best_choices(BEST_EFFORT_WEIGHT)
-    known = [None] if best_choices is None else [None, games.best_choices(1.0)]
-    free = [Evidence(games.values, words.columns, log_prior, one) for one in known]
+    # Without best efforts both are the same, and count twice as well.
+    free = [
+        Evidence(games.values, words.columns, log_prior, known)
+        for known in (None, games.best_choices(1.0))
+    ]
 
     def log_evidences(order: Tiers) -> list[float]:
         choices = games.choices(order)

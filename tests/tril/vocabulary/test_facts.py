@@ -79,12 +79,12 @@ def test_facts_are_shares_of_a_whole_game_so_that_a_short_one_forfeits(words: Vo
 
 
 def test_an_order_by_place_is_understood_and_told(words: Vocabulary) -> None:
-    games = [played(100 + place, centre=18.0 * place + 12) for place in range(8)]
+    games = [played(100 + place, centre=11.0 * place + 12) for place in range(12)]
     summaries = np.stack([words.summary(words.facts(one)) for one in games])
-    understood = understand(words, summaries, [[place] for place in range(8)])
-    assert shuffles_as_good(words, summaries, [[place] for place in range(8)]) == 0
+    understood = understand(words, summaries, [[place] for place in range(12)])
+    assert shuffles_as_good(words, summaries, [[place] for place in range(12)]) == 0
     values = understood.value(summaries)
-    assert np.corrcoef(values, -np.arange(8))[0, 1] > 0.8
+    assert np.corrcoef(values, -np.arange(12))[0, 1] > 0.8
     told = tell(words, understood.posterior, game_named("pong"))
     assert "left" in told[0].sentence
     assert "what you steer" in told[0].sentence
