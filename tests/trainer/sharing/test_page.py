@@ -209,7 +209,8 @@ def test_what_was_understood_is_the_first_figure_without_measures(
         headline = run.outcome.headline.model_copy(update={"understood": shares})
         run.outcome = run.outcome.model_copy(update={"headline": headline})
     page = Elements(made(workplace, run_id).html.decode())
-    assert "Does what Tril understood, of a whole game 88% Person 31% in the best games" in page.text
+    shown = "Does what Tril understood, of a whole game 88% Person 31% in the best games"
+    assert shown in page.text
     assert "better than the best games that it learned from: 88% against 31%" in page.text
 
 
