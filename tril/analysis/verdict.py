@@ -301,7 +301,7 @@ def _measures(n_met: int, n: int) -> str:
         return ""
     if n == 1:
         return f"It meets your measure in {'most' if n_met else 'few'} of its games."
-    return f"It meets {n_met} of your {n} measures in most of its games."
+    return f"It meets {n_met or 'none'} of your {n} measures in most of its games."
 
 
 def _without_targets(imitator: PolicySummary, clone: PolicySummary | None) -> Verdict:

@@ -241,6 +241,7 @@ def test_a_guess_is_praised_no_further_than_it_is_sure() -> None:
         ((0.9,), "It meets your measure in most of its games.", "good"),
         ((0.1,), "It meets your measure in few of its games.", "fair"),
         ((0.9, 0.0), "It meets 1 of your 2 measures in most of its games.", "fair"),
+        ((0.1, 0.0), "It meets none of your 2 measures in most of its games.", "fair"),
         ((0.9, 0.6), "It meets 2 of your 2 measures in most of its games.", "good"),
     ],
 )

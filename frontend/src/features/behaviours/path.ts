@@ -33,7 +33,8 @@ export function pathOf(behaviour: Counts, runs: readonly RunFacts[]): readonly P
     {
       id: "play" as const,
       name: t`Play`,
-      done: behaviour.n_recordings >= 2,
+      // Games that were borrowed are played as well.
+      done: Math.max(behaviour.n_recordings, behaviour.n_ranked) >= 2,
       caption: t`good and bad games`,
     },
     {

@@ -20,6 +20,7 @@ describe("the path", () => {
     expect(nextOf({ ...played, n_ranked: 1 }, [])).toEqual(["rank"]);
     expect(nextOf({ ...played, n_ranked: 3 }, [])).toEqual(["train"]);
     expect(nextOf(ranked, [])).toEqual(["train"]);
+    expect(nextOf({ ...ranked, n_recordings: 0 }, [])).toEqual(["train"]);
     expect(nextOf(ranked, [running])).toEqual([]);
     expect(nextOf(ranked, [{ ...running, status: "done" }])).toEqual([]);
   });
