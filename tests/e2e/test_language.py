@@ -37,6 +37,9 @@ def test_a_game_is_played_and_ranked_in_german(browser: Browser, built: LiveServ
             expect(page.get_by_text(announced)).to_be_attached()
         tied = page.get_by_role("listitem", name="Stufe 1 von 4, 2 Aufnahmen")
         expect(tied.get_by_role("heading", name=name)).to_be_visible()
+        # It is another element in another tier.
+        handle = tied.get_by_role("button", name=f"{name} verschieben", exact=True)
+        expect(handle).to_be_focused()
 
 
 def play(page: Page) -> int:

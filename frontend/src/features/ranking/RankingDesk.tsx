@@ -235,8 +235,9 @@ export function RankingDesk({ behaviour, ranking, recordings, isWhole }: Ranking
           if (now) saver.hold();
           else saver.release();
         }}
-        onDrop={(item, to) => {
+        onDrop={(item, to, byKeyboard) => {
           const at = findPlace(to, tiers);
+          if (byKeyboard) keepFocus(Number(item));
           if (at) saver.change(place(tiers, Number(item), at));
         }}
         renderDragged={(item) => {

@@ -47,7 +47,7 @@ interface DragBoardProps {
   nameOfPlace: (place: string) => string;
   /** Called when a drag begins, and when it is over, after `onDrop`. */
   onDragging: (dragging: boolean) => void;
-  onDrop: (item: string, place: string) => void;
+  onDrop: (item: string, place: string, byKeyboard: boolean) => void;
   renderDragged: (item: string) => ReactNode;
   children: ReactNode;
 }
@@ -132,8 +132,9 @@ export function DragBoard(props: DragBoardProps) {
           activatorEvent instanceof KeyboardEvent ? placeOf(active.data.current) : null;
       }}
       onDragCancel={end}
-      onDragEnd={({ active, over }: DragEndEvent) => {
-        if (over) onDrop(String(active.id), String(over.id));
+      onDragEnd={({ active, over, activatorEvent }: DragEndEvent) => {
+        const byKeyboard = activatorEvent instanceof KeyboardEvent;
+        if (over) onDrop(String(active.id), String(over.id), byKeyboard);
         end();
       }}
     >
