@@ -86,11 +86,11 @@ def scores(report: dict[str, Any]) -> dict[str, int]:
 
 
 def metrics(report: dict[str, Any]) -> str:
-    """Return what the performance is made of, and the element that is the largest."""
+    """Return the metrics of the performance score, and the largest element."""
     audits = report["audits"]
-    values = [f"{name} {audits[one]['displayValue']}" for name, one in METRICS.items()]
+    values = [f"{name} {audits[audit]['displayValue']}" for name, audit in METRICS.items()]
     largest = audits["largest-contentful-paint-element"].get("details", {}).get("items", [])
-    shown = [row["node"]["snippet"] for of in largest for row in of["items"] if "node" in row]
+    shown = [row["node"]["snippet"] for table in largest for row in table["items"] if "node" in row]
     return ", ".join([*values, *shown[:1]])
 
 

@@ -93,7 +93,7 @@ class Frontend:
         return self._files.get(path)
 
     def preload(self, path: str) -> tuple[Preload, str] | None:
-        """Return what the page at a path needs, and the id in the path; None for other pages."""
+        """Return what the page at a path needs, and its id if any; None for other pages."""
         for preload in self._preloads:
             if match := preload.path.fullmatch(path):
                 return preload, match[1] if preload.path.groups else ""
@@ -177,7 +177,7 @@ class Pages:
         links = ""
         if found := self._frontend.preload(path):
             preload, shown = found
-            # Participants may not ask for all of the data.
+            # Participants may not read some of the data.
             if identity.is_participant:
                 links = preload.files
             else:

@@ -1,7 +1,7 @@
 """Preload links of pages: scripts, styles and first API responses.
 
-Without it they would come one after the other: the page, its entry, the code of what it shows, and
-then the data.
+Without them, these would load one after the other: the page, its entry, the code of what it shows,
+and then the data.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from server.dependencies import MAX_ID
 from tril.store.models import BehaviourRow, RecordingRow, RunRow
 
 Subject = Mapping[str, str]
-"""What a page is about: "behaviour", "game", "run" and "recording", as far as they are known."""
+"""Values for a page's data paths: "behaviour", "game", "run" and "recording", as far as known."""
 
 PRELOADS = "preloads.json"
 """Where the build writes which files a page needs; see ``frontend/vite.config.ts``."""
@@ -34,7 +34,7 @@ class Preload:
 
     Attributes:
         path: Matches its addresses; the group, if any, is the id of what it shows.
-        shows: What the id is of: "behaviour", "run" or "recording"; None without one.
+        shows: What has the id: "behaviour", "run" or "recording"; None without one.
         files: Links to its scripts and styles, as HTML.
         data: Paths of the API; names in braces stand for the values of a ``Subject``.
     """
@@ -56,7 +56,7 @@ class Preload:
 
 
 def subject_of(session: Session, shows: str | None, shown: str) -> Subject:
-    """Return what a page is about: the id that it shows, and its behaviour and game, if known.
+    """Return the values for a page's data paths: its id, and its behaviour and game, if known.
 
     Args:
         session: Database session.

@@ -107,7 +107,7 @@ class RunData:
 
     @property
     def words(self) -> Vocabulary:
-        """The game's vocabulary, made first if need be."""
+        """The game's vocabulary; made on first use."""
         self._words = self._words or vocabulary_of(
             self.context.settings.data,
             self.context.game,
@@ -116,7 +116,12 @@ class RunData:
         return self._words
 
     def facts(self, ids: Sequence[int]) -> list[Facts]:
-        """Return the facts of recordings' steps, float32 (n_steps, n_facts) each."""
+        """Return the facts of recordings' steps, float32 (n_steps, n_facts) each.
+
+        Raises:
+            Invalid: A recording is no longer in the database.
+            RunCancelled: The run was cancelled.
+        """
         words = self.words
         missing = {
             number: recording

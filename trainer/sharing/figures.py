@@ -96,12 +96,13 @@ def figures_of(
         figures = [
             *measures,
             *_shares_of_games(
-                "Does what Tril understood, of a whole game", shares and shares.understood
+                "Worth by what Tril understood (100%: a full game)",
+                shares.understood if shares else None,
             ),
             *summary,
             *_shares_of_games(
-                "Time spent where the best games were not (lower is closer)",
-                shares and shares.elsewhere,
+                "Time spent elsewhere than the best games, while they last",
+                shares.elsewhere if shares else None,
             ),
         ]
     if blind is not None:
@@ -141,7 +142,7 @@ def _shares_of_games(
 
 
 def _share(share: Interval) -> str:
-    # A game in which nothing is right may be worth less than one that is over.
+    # Negative where a game is worth less than one that is over.
     return f"{max(share.mean, 0.0):.0%}"
 
 

@@ -244,13 +244,14 @@ class UnderstoodShares(Stored):
 class ElsewhereShares(Stored):
     """Share of the time for which games have things elsewhere than the best demonstrations.
 
-    Second by second, see tril.vocabulary.whereabouts; of each game the mean over the best ones. An
-    opening that was played before a policy's first step is left out.
+    While both last, second by second, see tril.vocabulary.whereabouts; of each game the mean over
+    the best ones. Openings of evaluation games are left out.
 
     Attributes:
-        imitator: Some of the imitator's games; None if it has played none.
+        imitator: Up to eight of the imitator's games, those of the headline; None if it has played
+            none.
         clone: As many of the clone's.
-        best: The demonstrations among each other; None of a single one.
+        best: Best demonstrations compared with each other; None if there is only one.
     """
 
     imitator: Interval | None
@@ -261,8 +262,9 @@ class ElsewhereShares(Stored):
 class Headline(CheckFigures):
     """A run's figures for the lists: greedy games from held-out evaluation starts.
 
-    ``understood`` and ``elsewhere`` are None of rewards that are no statements, and in runs of
-    earlier versions; ``elsewhere`` also where nothing on the screen has a place.
+    ``understood`` and ``elsewhere`` are None for rewards that are not statements, and in runs of
+    earlier versions; ``understood`` also where the best demonstrations are worth no more than a
+    game that is over, ``elsewhere`` where nothing on the screen has a place.
     """
 
     imitator: PolicySummary | None

@@ -15,18 +15,20 @@ NextStep = Literal["rank", "teach", "train", "games"]
 the run's games to watch."""
 
 GOOD_SHARE = 0.9
-"""Share of the best demonstration's targets, or of what the best demonstrations show of what was
-understood, from which on an imitator has learned it."""
+"""Share of the best demonstrations' figure, targets or worth, from which on the imitator counts as
+good."""
 MOST_MET = 0.5
 """Share of the games that meet a measure from which on the imitator counts as meeting it."""
 SURE = 1 / 3
-"""Probability of the likeliest statement below which nobody can tell what was learned: others of a
-few that share the rest often say nearly the same."""
+"""Probability of the likeliest statement below which a run counts as a guess. It is low, since the
+next statements often say nearly the same."""
 MOST_LOST = 0.5
 """Death rate above which most games are lost."""
 FEW_LOST = 0.25
 FEW_MISTAKES = 0.25
 """Strays and order errors per game, together, up to which an imitator still counts as good."""
+_WHOLE = 0.99
+"""Share of a whole game from which on games count as whole."""
 _ALARMED = (
     "Its reward rose while its games did not get better. Rank some of its games where they belong,"
     " and train again."
@@ -241,27 +243,31 @@ def _by_statement(
     # Games that are lost earn nothing afterwards, so that losses count on both sides.
     is_as_good = share.mean >= GOOD_SHARE * best.mean > 0
     compared = (
-        "better than"
-        if share.low > best.mean > 0
-        else "about as well as"
+        "more than"
+        if share.low > best.high > 0
+        else "about as much as"
         if is_as_good
-        else "less well than"
+        else "less than"
     )
     sentence = (
-        f"The imitator does what Tril understood {compared} the best games that it learned from:"
-        f" {_percent(share.mean)} against {_percent(best.mean)}."
+        f"By what Tril understood, the imitator's games are worth {compared} the best ones that it"
+        f" learned from: {_percent(share.mean)} against {_percent(best.mean)}."
     )
     n_met = sum(met >= MOST_MET for met in run.measures_met)
     details = " ".join(
         part
         for part in (
-            "100% would be a game of full length, played throughout as well as those. One that ends"
-            " early earns less.",
+            "100% would be a game of full length, played throughout as well as the best ones are on"
+            " average.",
+            # Their worth is the share that they last, as the unit is their own mean.
+            f"Those end after {_percent(best.mean)} of it." if best.mean < _WHOLE else "",
             clone
             and _told_apart(
-                f"The clone, which only copies, reaches {_percent(clone.mean)}", share, clone
+                f"The games of the clone, which only copies, are worth {_percent(clone.mean)}",
+                share,
+                clone,
             ),
-            _measures(n_met, len(run.measures_met)),
+            _measures(n_met, run.measures_met),
             _lost(imitator.death_rate),
         )
         if part
@@ -280,8 +286,8 @@ def _by_statement(
     is_worse = clone is not None and share.high < clone.low
     if is_as_good and not is_worse and n_met < len(run.measures_met):
         advice = (
-            "It does not do all that you measure yet: rank games that differ in what is missing,"
-            " and train again."
+            "It does not meet all of your measures yet. Rank games that differ in the ones it"
+            " misses, and train again."
         )
         return Verdict("fair", sentence, details, advice, "rank")
     if is_as_good and not is_worse:
@@ -296,12 +302,12 @@ def _by_statement(
     return Verdict(tone, sentence, details, advice, "teach")
 
 
-def _measures(n_met: int, n: int) -> str:
-    if not n:
+def _measures(n_met: int, met: tuple[float, ...]) -> str:
+    if not met:
         return ""
-    if n == 1:
-        return f"It meets your measure in {'most' if n_met else 'few'} of its games."
-    return f"It meets {n_met or 'none'} of your {n} measures in most of its games."
+    if len(met) == 1:
+        return f"It meets your measure in {_percent(met[0])} of its games."
+    return f"It meets {n_met or 'none'} of your {len(met)} measures in at least half of its games."
 
 
 def _without_targets(imitator: PolicySummary, clone: PolicySummary | None) -> Verdict:
@@ -365,7 +371,7 @@ def _mean(value: float) -> str:
 
 
 def _percent(share: float) -> str:
-    # A game in which nothing is right may be worth less than one that is over.
+    # Negative where a game is worth less than one that is over.
     return f"{max(share, 0.0):.0%}"
 
 

@@ -353,8 +353,8 @@ class Recipe:
     def _check_method(self) -> Recipe:
         if self.method == "gail" and self.policy.mixed_start:
             raise ValueError(
-                "method 'gail' has no learned reward to judge mixtures by: set"
-                " policy.mixed_start=false"
+                "method 'gail' does not train on the learned reward, which chooses among mixtures:"
+                " set policy.mixed_start=false"
             )
         return self
 

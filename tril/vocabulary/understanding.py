@@ -145,9 +145,9 @@ def shuffles_as_good(
     A permutation test (Fisher 1935) of the evidence: of orders drawn blindly one in twenty
     surpasses all shuffled ones, whatever the games are like. The evidence alone does not tell, as
     games that are alike in many ways, such as in how long they last, make many orders probable.
-    It is of three kinds, each standardised over the orders and added up: for the order alone, for
-    the order given the best efforts, and for statements with one weight. Where one is weak another
-    tells; see docs/decisions/26-statements.md.
+    The statistic is the sum of three log evidences, each standardised over the orders: of the order
+    alone, of the order given the best efforts at full weight, and of statements with one weight,
+    where best efforts count as in ``understand``; see docs/decisions/26-statements.md.
 
     Args:
         words: As in ``understand``.
@@ -170,7 +170,7 @@ def shuffles_as_good(
 
     shaped = games.shaped(log_prior)
     best_choices = games.best_choices(BEST_EFFORT_WEIGHT)
-    # Without best efforts both are the same, and count twice as well.
+    # Without best efforts the two are equal.
     free = [
         Evidence(games.values, words.columns, log_prior, known)
         for known in (None, games.best_choices(1.0))
@@ -197,7 +197,8 @@ def _standardised_sum(log_evidences: Array) -> Array:
     """Return the sum of each order's kinds of log evidence, each with a standard deviation of 1.
 
     Args:
-        log_evidences: float64 (n_orders, n_kinds); -inf for what is impossible.
+        log_evidences: float64 (n_orders, n_kinds); -inf, for what is impossible, counts as the
+            lowest finite value.
     """
     total = np.zeros(len(log_evidences))
     for kind in log_evidences.T:
@@ -215,7 +216,7 @@ class _Shaped:
     Attributes:
         values: Of the games and the varied ones, standardised, float64 (n_rows, n_shapes).
         spread: What each sum was divided by, float64 (n_shapes,).
-        group: Index of each one's group, int64 (n_shapes,).
+        group: Index of each statement's group, int64 (n_shapes,).
         is_positive: Whether the weight is above 0, bool (n_shapes,).
         log_p: Log of the prior probability, float64 (n_shapes,).
     """

@@ -1,4 +1,4 @@
-"""How far apart two games are in where things are and when."""
+"""Differences between two games in where things are at the same time."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ Columns = Sequence[npt.NDArray[np.int64]]
 def place_columns(words: Vocabulary) -> Columns:
     """Return the columns of facts that say where things are, one array for each thing and axis.
 
-    The thing is what the player steers. Where nothing answers the buttons, or it stays in place,
-    all kinds of things count.
+    Only of what the player steers; of all kinds of things where nothing answers the buttons, or it
+    has neither x nor y.
     """
     placed = [
         (group.subject, columns)
@@ -31,9 +31,8 @@ def place_columns(words: Vocabulary) -> Columns:
 def share_elsewhere(one: Seconds, other: Seconds, columns: Columns) -> float:
     """Return the share of the time for which two games have things in different places.
 
-    In each second it is the total variation distance of the shares of that second for which a thing
-    is in each bin, or not there; then the mean over things, axes and seconds. Seconds that only the
-    longer game has count as different.
+    In each second that both have it is the total variation distance of the shares of that second
+    for which a thing is in each bin, or not there; then the mean over things, axes and seconds.
 
     Args:
         one: A game, float16 (n_seconds, n_facts).
@@ -41,16 +40,15 @@ def share_elsewhere(one: Seconds, other: Seconds, columns: Columns) -> float:
         columns: What `place_columns` returned, at least one array.
 
     Returns:
-        From 0, the same places at the same times, to 1.
+        From 0, the same places at the same times, to 1; 0 if one has no second.
     """
-    longest = max(len(one), len(other))
-    if not longest:
-        return 0.0
-    apart = np.ones((longest, len(columns)))
     both = min(len(one), len(other))
+    if not both:
+        return 0.0
+    apart = np.empty((both, len(columns)))
     for index, bins in enumerate(columns):
         shares = [game[:both, bins].astype(np.float64) for game in (one, other)]
         absent = [1.0 - of_game.sum(1) for of_game in shares]
         differences = np.abs(shares[0] - shares[1]).sum(1) + np.abs(absent[0] - absent[1])
-        apart[:both, index] = differences / 2
+        apart[:, index] = differences / 2
     return float(apart.mean())

@@ -140,7 +140,7 @@ export function bounds({ low, high }: Interval, digits = 1): string {
   return t`${fixed(low, digits)} to ${fixed(high, digits)}`;
 }
 
-/** Formats a share of what was understood: "88%". A game may be worth less than one that is over. */
+/** Formats the worth of games: "88%"; 0% where it is negative, less than that of a game that is over. */
 export function wholeShare(share: number): string {
   return percent(Math.max(0, share), 0);
 }

@@ -209,9 +209,9 @@ def test_what_was_understood_is_the_first_figure_without_measures(
         headline = run.outcome.headline.model_copy(update={"understood": shares})
         run.outcome = run.outcome.model_copy(update={"headline": headline})
     page = Elements(made(workplace, run_id).html.decode())
-    shown = "Does what Tril understood, of a whole game 88% Person 31% in the best games"
+    shown = "Worth by what Tril understood (100%: a full game) 88% Person 31% in the best games"
     assert shown in page.text
-    assert "better than the best games that it learned from: 88% against 31%" in page.text
+    assert "worth more than the best ones that it learned from: 88% against 31%" in page.text
 
 
 def test_measures_are_figures_with_those_of_the_person(workplace: Workplace, run_id: str) -> None:

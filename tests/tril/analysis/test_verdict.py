@@ -192,25 +192,23 @@ def test_without_targets_what_was_understood_is_compared() -> None:
     said = verdict(by_statement(shares(0.88, 0.27, 0.31), lost=0.1))
     assert (said.tone, said.next_step) == ("good", "games")
     assert said.sentence == (
-        "The imitator does what Tril understood better than the best games that it learned from:"
-        " 88% against 31%."
+        "By what Tril understood, the imitator's games are worth more than the best ones that it"
+        " learned from: 88% against 31%."
     )
-    assert (
-        "The clone, which only copies, reaches 27%: the imitator is clearly better." in said.details
-    )
+    assert "which only copies, are worth 27%: the imitator is clearly better." in said.details
     assert "The imitator loses some of its games (10%)." in said.details
 
 
 @pytest.mark.parametrize(
     ("understood", "compared", "tone"),
     [
-        (shares(0.70, 0.40, 0.72), "about as well as the best games", "good"),
-        (shares(0.50, 0.40, 0.72), "less well than the best games", "fair"),
-        (shares(0.38, 0.40, 0.72), "less well than the best games", "bad"),
+        (shares(0.70, 0.40, 0.72), "about as much as the best ones", "good"),
+        (shares(0.50, 0.40, 0.72), "less than the best ones", "fair"),
+        (shares(0.38, 0.40, 0.72), "less than the best ones", "bad"),
         # Where the best games show nothing, nobody is as good as they.
-        (shares(0.00, -0.10, 0.00), "less well than", "fair"),
-        (shares(0.72, 0.95, 0.72), "about as well as", "bad"),
-        (shares(-0.10, 0.00, 0.72), "the best games that it learned from: 0% against 72%", "bad"),
+        (shares(0.00, -0.10, 0.00), "less than", "fair"),
+        (shares(0.72, 0.95, 0.72), "about as much as", "bad"),
+        (shares(-0.10, 0.00, 0.72), "the best ones that it learned from: 0% against 72%", "bad"),
     ],
 )
 def test_the_clone_and_the_best_games_set_the_tone(
@@ -238,11 +236,11 @@ def test_a_guess_is_praised_no_further_than_it_is_sure() -> None:
 @pytest.mark.parametrize(
     ("met", "said_of_it", "tone"),
     [
-        ((0.9,), "It meets your measure in most of its games.", "good"),
-        ((0.1,), "It meets your measure in few of its games.", "fair"),
-        ((0.9, 0.0), "It meets 1 of your 2 measures in most of its games.", "fair"),
-        ((0.1, 0.0), "It meets none of your 2 measures in most of its games.", "fair"),
-        ((0.9, 0.6), "It meets 2 of your 2 measures in most of its games.", "good"),
+        ((0.9,), "It meets your measure in 90% of its games.", "good"),
+        ((0.1,), "It meets your measure in 10% of its games.", "fair"),
+        ((0.9, 0.0), "It meets 1 of your 2 measures in at least half of its games.", "fair"),
+        ((0.1, 0.0), "It meets none of your 2 measures in at least half of its games.", "fair"),
+        ((0.9, 0.6), "It meets 2 of your 2 measures in at least half of its games.", "good"),
     ],
 )
 def test_what_a_person_measures_has_to_be_met(

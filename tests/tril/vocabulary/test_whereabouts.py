@@ -33,14 +33,12 @@ def game(*bins: int, y: int = 0) -> np.ndarray:
         (game(2, 2, 0, 0, y=1), 1.0),
         # The same places at other times.
         (game(2, 0, 1, 2), 3 / 8),
-        # A game that is over is nowhere.
-        (game(0, 1), 4 / 8),
-        (game(), 1.0),
+        # What one game alone has does not count.
+        (game(0, 1), 0.0),
+        (game(), 0.0),
     ],
 )
-def test_games_are_elsewhere_in_each_second_of_the_longer_one(
-    other: np.ndarray, share: float
-) -> None:
+def test_games_are_elsewhere_in_the_seconds_that_both_have(other: np.ndarray, share: float) -> None:
     one = game(0, 1, 2, 2)
     assert share_elsewhere(one, other, [X, Y]) == pytest.approx(share)
     assert share_elsewhere(other, one, [X, Y]) == pytest.approx(share)

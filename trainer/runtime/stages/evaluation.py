@@ -24,11 +24,11 @@ from tril.store.training.evaluations import (
     ActionSelection,
     EvaluationKey,
 )
-from tril.vocabulary.moments import Seconds, seconds_of, steps_per_second
+from tril.vocabulary.moments import Seconds, seconds_of
 from tril.vocabulary.whereabouts import place_columns, share_elsewhere
 
 _GAMES_PLACED = 8
-"""Games of each policy whose whereabouts are compared: a second's look at each."""
+"""Games of each policy that are compared in where things are: each takes about a second."""
 
 
 def evaluate(data: RunData, progress: Progress) -> RunOutcome:
@@ -163,7 +163,10 @@ def understood_shares(data: RunData, games: Sequence[EvaluationRow]) -> Understo
 
 
 def elsewhere_shares(data: RunData, games: Sequence[EvaluationRow]) -> ElsewhereShares | None:
-    """Return how far games are from the best demonstrations in where things are and when.
+    """Return how much of the time games have things elsewhere than the best demonstrations.
+
+    Evaluation games are compared from the policy's first step on, with the best ones from their
+    beginning, for as long as both last.
 
     Args:
         data: The run.
@@ -177,19 +180,15 @@ def elsewhere_shares(data: RunData, games: Sequence[EvaluationRow]) -> Elsewhere
         return None
     best = [seconds_of(facts, clock) for facts in data.facts(data.snapshot.perfect)]
 
-    def away(game: Seconds, others: Sequence[Seconds], most_seconds: int | None = None) -> float:
-        return float(
-            np.mean([share_elsewhere(game, other[:most_seconds], columns) for other in others])
-        )
+    def away(game: Seconds, others: Sequence[Seconds]) -> float:
+        return float(np.mean([share_elsewhere(game, other, columns) for other in others]))
 
     def away_from_best(policy: str) -> Interval | None:
         rows = [row for row in _headline_games(games) if row.policy == policy][:_GAMES_PLACED]
         shares = []
         for row, facts in zip(rows, data.facts([one.recording_id for one in rows]), strict=True):
-            # Both from where they begin to play, and for as long.
-            opening = _opening_steps(data, row)
-            most_seconds = (clock.max_steps - opening) // steps_per_second(clock)
-            shares.append(away(seconds_of(facts[opening:], clock), best, most_seconds))
+            played = facts[_opening_steps(data, row) :]
+            shares.append(away(seconds_of(played, clock), best))
         return interval(shares) if shares else None
 
     among_best = [

@@ -250,7 +250,7 @@ function Latest({ run, behaviour }: { run: Run; behaviour: Behaviour }) {
     return (
       <p className={styles.result}>
         <ActorMark actor="imitator">
-          <Trans>Imitator does {wholeShare(shares.imitator.mean)} of what Tril understood</Trans>
+          <Trans>Imitator {wholeShare(shares.imitator.mean)}, by what Tril understood</Trans>
         </ActorMark>
         <ActorMark actor="person">
           <Trans>Your best games {wholeShare(shares.best.mean)}</Trans>

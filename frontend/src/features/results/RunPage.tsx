@@ -55,7 +55,7 @@ export function RunPage({ run, behaviour }: { run: Run; behaviour: Behaviour }) 
           <RunSections run={run} results={results} behaviour={behaviour} onWatch={setWatched} />
         ) : sections.error ? (
           <Failed
-            what={t`What else there is to say`}
+            what={t`The details of the run`}
             error={sections.error}
             onRetry={() => void sections.refetch()}
           />

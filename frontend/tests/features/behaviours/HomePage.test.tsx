@@ -166,9 +166,7 @@ describe("the first page", () => {
     });
     show(<HomePage />);
     const card = await screen.findByRole("article");
-    expect(
-      await within(card).findByText("Imitator does 88% of what Tril understood"),
-    ).toBeVisible();
+    expect(await within(card).findByText("Imitator 88%, by what Tril understood")).toBeVisible();
     expect(within(card).getByText("Your best games 31%")).toBeVisible();
   });
 

@@ -322,7 +322,7 @@ describe("what a result says", () => {
     const shown = results(understoodRun, { check: CHECK });
     const [first, second] = figuresOf(shown, behaviour({ target: null }), SPACE_INVADERS);
     expect(first).toEqual({
-      name: "Does what Tril understood, of a whole game",
+      name: "Worth by what Tril understood (100%: a full game)",
       value: "88%",
       others: [
         { actor: "clone", text: "0%", interval: share(-0.02) },
@@ -331,7 +331,7 @@ describe("what a result says", () => {
       plot: { interval: share(0.88), low: 0, high: 1 },
     });
     expect(second).toMatchObject({
-      name: "Time spent where the best games were not (lower is closer)",
+      name: "Time spent elsewhere than the best games, while they last",
       value: "42%",
       others: [],
     });

@@ -54,7 +54,7 @@ describe("the list of runs", () => {
       "GET /api/runs": () => [run({ status: "done", headline: headline({ understood }) })],
     });
     show(<RunsPage behaviour={behaviour({ target: null })} />);
-    expect(await screen.findByRole("columnheader", { name: "As understood" })).toBeVisible();
+    expect(await screen.findByRole("columnheader", { name: "Worth" })).toBeVisible();
     expect(screen.getByRole("cell", { name: /^88%81% to 92%/ })).toBeVisible();
   });
 

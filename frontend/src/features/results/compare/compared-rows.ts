@@ -40,7 +40,7 @@ export function resultRows(
   const understood = runs.map(({ headline }) => headline?.understood?.[policy] ?? null);
   return [
     {
-      name: t`Does what Tril understood, of a whole game`,
+      name: t`Worth by what Tril understood (100%: a full game)`,
       write: wholeShare,
       cells: understood,
       high: Math.max(1, ...understood.map((share) => share?.high ?? 0)),

@@ -73,9 +73,9 @@ export function RunsTable({ runs, behaviour, selected, onSelect }: RunsTableProp
               <th scope="col">
                 <ActorMark actor="imitator">
                   <abbr
-                    title={t`How much the imitator does of what Tril understood, of a whole game`}
+                    title={t`Worth of the imitator’s games by what Tril understood, of a full game`}
                   >
-                    <Trans>As understood</Trans>
+                    <Trans>Worth</Trans>
                   </abbr>
                 </ActorMark>
               </th>

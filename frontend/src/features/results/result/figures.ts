@@ -90,8 +90,8 @@ function understoodFigures({ run: { headline } }: RunResults): [Figure[], Figure
     return [{ name, value: wholeShare(imitator.mean), others, plot }];
   };
   return [
-    figureOf(t`Does what Tril understood, of a whole game`, headline?.understood),
-    figureOf(t`Time spent where the best games were not (lower is closer)`, headline?.elsewhere),
+    figureOf(t`Worth by what Tril understood (100%: a full game)`, headline?.understood),
+    figureOf(t`Time spent elsewhere than the best games, while they last`, headline?.elsewhere),
   ];
 }
 

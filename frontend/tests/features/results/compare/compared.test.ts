@@ -65,7 +65,7 @@ describe("the rows of a comparison", () => {
     const understood = { imitator: INTERVAL, clone: null, best: INTERVAL };
     const runs = [run({ headline: headline({ understood }) }), run({ id: "b" })];
     expect(resultRows(runs, "imitator", null).map(({ name, cells }) => [name, cells])).toEqual([
-      ["Does what Tril understood, of a whole game", [INTERVAL, null]],
+      ["Worth by what Tril understood (100%: a full game)", [INTERVAL, null]],
     ]);
   });
 
