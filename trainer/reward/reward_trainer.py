@@ -29,7 +29,7 @@ from trainer.nn.checkpoints import (
 from trainer.nn.devices import CPU
 from trainer.progress import Progress
 from trainer.reward.fragment_logits import FragmentLogits, Seed
-from trainer.reward.model import RewardModel, RewardNetwork, new_network
+from trainer.reward.model import RewardModel, RewardNetwork, Spread, new_network
 from trainer.reward.preference_dataset import PreferenceDataset
 from trainer.reward.statements import StatementTrainer, spread_of_statements, understanding_of
 from trainer.reward.wanted_aliens import WantedAliensTrainer
@@ -195,7 +195,8 @@ def calibrate(network: RewardNetwork, dataset: PreferenceDataset) -> RewardModel
         Invalid: The network gives all states the same value.
     """
     if dataset.recipe.method == "statement":
-        return _calibrate_statement(network, dataset)
+        spread = spread_of_statements(network, understanding_of(dataset))
+        return calibrate_reading(network, dataset, spread)
     model = RewardModel(network)
     if dataset.recipe.pretrained:
         offset, scale = standardisation(network, dataset)
@@ -218,8 +219,19 @@ def calibrate(network: RewardNetwork, dataset: PreferenceDataset) -> RewardModel
     return replace(model, zero=first_level, one=best_level)
 
 
-def _calibrate_statement(network: RewardNetwork, dataset: PreferenceDataset) -> RewardModel:
-    spread = spread_of_statements(network, understanding_of(dataset))
+def calibrate_reading(
+    network: RewardNetwork, dataset: PreferenceDataset, spread: Spread | None
+) -> RewardModel:
+    """Make a reward model of a network that reads facts off the screen; see ``calibrate``.
+
+    Args:
+        network: The network.
+        dataset: Dataset whose games set the scale.
+        spread: How sure R is; None if that is not known.
+
+    Raises:
+        Invalid: The network gives all states the same value.
+    """
     plain = RewardModel(network)
     ranked = _rewards(plain, dataset, dict.fromkeys((*dataset.ranked, *dataset.best)))
     varied = [plain.score(game.observations[1:]) for game in dataset.varied]
@@ -235,7 +247,8 @@ def _calibrate_statement(network: RewardNetwork, dataset: PreferenceDataset) -> 
     over_level = (min(float(np.quantile(all_rewards, WORST_STATES)), 0.0) - offset) / scale
     best = np.concatenate([ranked[index] for index in dataset.best])
     best_level = max((float(best.mean()) - offset) / scale, over_level + 0.5)
-    spread = replace(spread, weight=spread.weight / scale)
+    if spread:
+        spread = replace(spread, weight=spread.weight / scale)
     return RewardModel(network, offset, scale, over_level, best_level, spread)
 
 

@@ -106,16 +106,11 @@ class StatementTrainer:
         """Return the network; ``progress`` counts updates and receives the loss."""
         understanding = understanding_of(self._dataset)
         read = facts_read(understanding)
-        coefficients = understanding.mean_coefficients()[read]
-        with torch_seeded(np.random.default_rng([*self._seed, _WEIGHTS])):
-            network = RewardNetwork(len(read)).to(self._device)
         observations, facts = self._reading_lessons(read)
-        self._learn_to_read(network, observations, facts, coefficients, progress)
-        with torch.no_grad():
-            weight = torch.from_numpy(coefficients[None]).to(network.output.weight)
-            network.output.weight.copy_(weight)
-            network.output.bias.zero_()
-        return network
+        coefficients = understanding.mean_coefficients()[read]
+        return reading_network(
+            observations, facts, coefficients, self._updates, self._seed, progress, self._device
+        )
 
     def _reading_lessons(
         self, read: npt.NDArray[np.int64]
@@ -131,54 +126,74 @@ class StatementTrainer:
             facts.append(game.facts[:n_steps, read])
         return observations, np.concatenate(facts).clip(0.0, 1.0)
 
-    def _learn_to_read(
-        self,
-        network: RewardNetwork,
-        observations: Sequence[npt.NDArray[np.uint8]],
-        facts: npt.NDArray[np.float32],
-        coefficients: Array,
-        progress: Progress,
-    ) -> None:
-        rng = np.random.default_rng([*self._seed, _BATCHES])
-        place = np.concatenate(
-            [
-                np.stack([np.full(len(of_game), game), np.arange(len(of_game))], 1)
-                for game, of_game in enumerate(observations)
-            ]
-        )
-        # What matters for R is read most carefully.
-        weights = np.abs(coefficients) * facts.std(0)
-        weights = weights / max(weights.sum(), 1e-9) + 0.5 / len(weights)
-        loss_weights = torch.from_numpy(weights.astype(np.float32)).to(self._device)
-        optimizer = torch.optim.Adam(network.parameters(), LEARNING_RATE)
-        schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, self._updates)
-        assert network.memory is not None
-        order = rng.permutation(len(place))
-        begin = 0
-        sample = np.stack([observations[game][step] for game, step in place[order[:N_SCREENS]]])
-        scale_layers((*network.layers, network.hidden), F.leaky_relu, sample)
-        for update in range(1, self._updates + 1):
-            if begin + BATCH_SIZE > len(order):
-                order, begin = rng.permutation(len(place)), 0
-            rows = order[begin : begin + BATCH_SIZE]
-            begin += BATCH_SIZE
-            batch = np.stack([observations[game][step] for game, step in place[rows]])
-            inputs = channels_last_screens(batch).to(self._device)
-            pixels = inputs.to(torch.float32, memory_format=torch.channels_last)
-            second = network.layers[1](F.leaky_relu(network.first(pixels)))
-            logits = network.memory(network.hidden_values(second))
-            targets = torch.from_numpy(facts[rows]).to(self._device)
-            losses = F.binary_cross_entropy_with_logits(logits, targets, reduction="none")
-            loss = (losses.mean(0) * loss_weights).sum()
-            optimizer.zero_grad()
-            loss.backward()  # type: ignore[no-untyped-call]
-            optimizer.step()
-            schedule.step()
-            check_finite("reward model", loss)
-            values = None
-            if update % _CURVE_INTERVAL == 0 or update == self._updates:
-                values = {"loss": float(loss.item())}
-            progress.advance(update, self._updates, values)
+
+def reading_network(
+    observations: Sequence[npt.NDArray[np.uint8]],
+    facts: npt.NDArray[np.float32],
+    coefficients: Array,
+    updates: int,
+    seed: Seed,
+    progress: Progress,
+    device: torch.device = CPU,
+) -> RewardNetwork:
+    """Train a network to read facts off the screen; its output is their weighted sum.
+
+    Args:
+        observations: Of each game, uint8 (n_steps, 4, 84, 84).
+        facts: What holds in them, float32 (n_steps of all games, n_facts), 0 to 1.
+        coefficients: What each fact adds to R, float64 (n_facts,).
+        updates: Gradient updates.
+        seed: Seeds all random numbers.
+        progress: Counts updates; receives the loss.
+        device: Device to learn on.
+    """
+    with torch_seeded(np.random.default_rng([*seed, _WEIGHTS])):
+        network = RewardNetwork(len(coefficients)).to(device)
+    rng = np.random.default_rng([*seed, _BATCHES])
+    place = np.concatenate(
+        [
+            np.stack([np.full(len(of_game), game), np.arange(len(of_game))], 1)
+            for game, of_game in enumerate(observations)
+        ]
+    )
+    # What matters for R is read most carefully.
+    weights = np.abs(coefficients) * facts.std(0)
+    weights = weights / max(weights.sum(), 1e-9) + 0.5 / len(weights)
+    loss_weights = torch.from_numpy(weights.astype(np.float32)).to(device)
+    optimizer = torch.optim.Adam(network.parameters(), LEARNING_RATE)
+    schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, updates)
+    assert network.memory is not None
+    order = rng.permutation(len(place))
+    begin = 0
+    sample = np.stack([observations[game][step] for game, step in place[order[:N_SCREENS]]])
+    scale_layers((*network.layers, network.hidden), F.leaky_relu, sample)
+    for update in range(1, updates + 1):
+        if begin + BATCH_SIZE > len(order):
+            order, begin = rng.permutation(len(place)), 0
+        rows = order[begin : begin + BATCH_SIZE]
+        begin += BATCH_SIZE
+        batch = np.stack([observations[game][step] for game, step in place[rows]])
+        inputs = channels_last_screens(batch).to(device)
+        pixels = inputs.to(torch.float32, memory_format=torch.channels_last)
+        second = network.layers[1](F.leaky_relu(network.first(pixels)))
+        logits = network.memory(network.hidden_values(second))
+        targets = torch.from_numpy(facts[rows]).to(device)
+        losses = F.binary_cross_entropy_with_logits(logits, targets, reduction="none")
+        loss = (losses.mean(0) * loss_weights).sum()
+        optimizer.zero_grad()
+        loss.backward()  # type: ignore[no-untyped-call]
+        optimizer.step()
+        schedule.step()
+        check_finite("reward model", loss)
+        values = None
+        if update % _CURVE_INTERVAL == 0 or update == updates:
+            values = {"loss": float(loss.item())}
+        progress.advance(update, updates, values)
+    with torch.no_grad():
+        weight = torch.from_numpy(coefficients[None]).to(network.output.weight)
+        network.output.weight.copy_(weight)
+        network.output.bias.zero_()
+    return network
 
 
 def facts_read(understanding: Understanding) -> npt.NDArray[np.int64]:

@@ -73,9 +73,14 @@ def tasks_of(half: str, folder: Path, games: Sequence[str] = ()) -> dict[str, tu
 
 def worth_of(task: Task, played: Trace, horizon: int) -> float:
     """Return what a game is worth by a behaviour, as a share of a whole game."""
+    return float(worth_by_step(task, played).sum() / horizon)
+
+
+def worth_by_step(task: Task, played: Trace) -> Array:
+    """Return what each step of a game is worth by a behaviour, float64 (n_steps,)."""
     memory = np.concatenate([played.memory[:1], played.memory])
     held = np.concatenate([[0], played.held])
-    return float(task.worth(memory, held)[1:].sum() / horizon)
+    return task.worth(memory, held)[1:]
 
 
 def load_games(folder: Path, name: str, tasks: Sequence[Task]) -> PlayedGames:

@@ -2,11 +2,14 @@
 
     python -m benchmarks.learning.behaviours.imitators FOLDER --half report --games pong
     python -m benchmarks.learning.behaviours.imitators FOLDER --half report --recipe paper
+    python -m benchmarks.learning.behaviours.imitators FOLDER --half report --reward truth
 
 Reward, clone and imitator are learned by a recipe, and play from evaluation starts with sticky
 actions, beside a tape of the best efforts. Their games are judged by the truth of the behaviour,
 as the person's are. Prints a line for each behaviour, and appends it to a file as JSON; the
-folder keeps a game of each player for `benchmarks.learning.behaviours.pages`.
+folder keeps a game of each player for `benchmarks.learning.behaviours.pages`. With `--reward truth`
+the network of `any` reads the behaviour's true worth off the screen, not what a statement says of
+it: the bound of what a ranking can teach.
 """
 
 from __future__ import annotations
@@ -31,9 +34,11 @@ from benchmarks.learning.behaviours.games import (
     path_of,
     tasks_of,
     to_row,
+    worth_by_step,
     worth_of,
 )
 from benchmarks.learning.behaviours.orders import ranked_by_person
+from benchmarks.learning.behaviours.suite import EVENT_STEPS
 from trainer.policy.cloning import train_clone
 from trainer.policy.evaluation import Actor, EvaluatedGame, beginnings, play
 from trainer.policy.imitation import ImitationTask
@@ -41,14 +46,15 @@ from trainer.policy.imitator import train_imitator
 from trainer.policy.networks import Policy, load_policy, save_policy
 from trainer.progress import NullProgress
 from trainer.reward.check import check_ranking
+from trainer.reward.model import RewardModel
 from trainer.reward.preference_dataset import (
     GameFacts,
     ObservedTrajectory,
     PerfectDemonstrations,
     PreferenceDataset,
 )
-from trainer.reward.reward_trainer import train_reward_model
-from trainer.reward.statements import understanding_of
+from trainer.reward.reward_trainer import calibrate_reading, train_reward_model
+from trainer.reward.statements import reading_network, understanding_of
 from trainer.runtime.run_data import N_VARIED
 from tril.games.base import Controls, Opening, Start
 from tril.recipes import recipe_named, with_values
@@ -120,6 +126,7 @@ class Taught:
         n_best: Best efforts.
         seed: Draws them, and seeds the training.
         recipe: The recipe.
+        reward: "order", or "truth" for the behaviour's true worth.
         changes: Of the recipe, by path.
     """
 
@@ -131,11 +138,13 @@ class Taught:
         n_best: int,
         seed: int,
         recipe: str,
+        reward: str,
         changes: dict[str, Any],
     ) -> None:
         self.played = played
         self.task = played.tasks[task]
         self.seed = seed
+        self.reward = reward
         self.recipe = with_values(recipe_named(recipe, played.game.pretrained), changes)
         rng = np.random.default_rng(
             zlib.crc32(f"{played.game.name}{self.task.name}{seed}".encode())
@@ -172,6 +181,34 @@ class Taught:
         played = trace(recording, self._console, self.played.words.scene)
         return trajectory(recording, self._console), self.played.words.facts(played)
 
+    def _true_reward(self, dataset: PreferenceDataset) -> RewardModel:
+        """Return a model whose network reads the behaviour's worth off the screen."""
+        recordings = [
+            *(self.played.recordings[row] for row in (*self.ranked, *self.best)),
+            *varied_games(self.played.game, N_VARIED),
+        ]
+        observations, worths = [], []
+        for seen, recording in zip(
+            (*dataset.trajectories, *dataset.varied), recordings, strict=True
+        ):
+            worth = worth_by_step(
+                self.task, trace(recording, self._console, self.played.words.scene)
+            )
+            # The observation at the start has no step; a step cut short by the end has no worth.
+            n_steps = min(len(seen.observations) - 1, len(worth))
+            observations.append(seen.observations[1 : n_steps + 1])
+            worths.append(worth[:n_steps, None])
+        most = float(EVENT_STEPS if self.task.counts_events else 1)
+        network = reading_network(
+            observations,
+            (np.concatenate(worths) / most).clip(0, 1).astype(np.float32),
+            np.array([most]),
+            self.recipe.reward.updates,
+            (self.seed, 0),
+            NullProgress(),
+        )
+        return calibrate_reading(network, dataset, None)
+
     def judge(self, actor: Actor) -> Judged:
         """Let a policy play from the evaluation starts, with sticky actions."""
         return self._judged(play(self.played.game, actor, self._starts(), "sticky", n_processes=1))
@@ -202,9 +239,17 @@ class Taught:
         """Teach it; returns the figures and the games of imitator, clone and tape."""
         began = time.monotonic()
         dataset = self.dataset()
-        told = self._told(dataset)
-        model = train_reward_model(dataset, self.seed, NullProgress())
-        check, model = check_ranking(model, dataset, self.seed, NullProgress())
+        if self.reward == "truth":
+            model, learned = self._true_reward(dataset), {}
+        else:
+            model = train_reward_model(dataset, self.seed, NullProgress())
+            check, model = check_ranking(model, dataset, self.seed, NullProgress())
+            learned = {
+                "told": self._told(dataset),
+                "passed": check.passed,
+                "tau": check.tau,
+                "held_out": check.held_out_accuracy,
+            }
         reward_s = time.monotonic() - began
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "clone.zip"
@@ -241,14 +286,12 @@ class Taught:
             "task": self.task.name,
             "half": self.task.half,
             "recipe": self.recipe.name,
+            "reward": self.reward,
             "ranked": len(self.ranked),
             "best": len(self.best),
             "seed": self.seed,
             "steps": steps,
-            "told": told,
-            "passed": check.passed,
-            "tau": check.tau,
-            "held_out": check.held_out_accuracy,
+            **learned,
             **{player: games.figures() for player, games in judged.items()},
             "best_efforts": float(self.worth[self.best].mean()),
             "ranked_games": float(self.worth[self.ranked].mean()),
@@ -295,6 +338,7 @@ def main() -> None:
     parser.add_argument("--games", nargs="*", default=())
     parser.add_argument("--tasks", nargs="*", default=())
     parser.add_argument("--recipe", choices=("any", "paper", "gail"), default="any")
+    parser.add_argument("--reward", choices=("order", "truth"), default="order")
     parser.add_argument("--ranked", type=int, default=12)
     parser.add_argument("--best", type=int, default=12)
     parser.add_argument("--steps", type=int, default=300_000)
@@ -302,6 +346,8 @@ def main() -> None:
     parser.add_argument("--set", action="append", default=[], metavar="PATH=VALUE")
     parser.add_argument("--ledger", type=Path)
     arguments = parser.parse_args()
+    if arguments.reward == "truth" and arguments.recipe != "any":
+        parser.error("--reward truth takes the recipe any")
     torch.set_num_threads(1)
     changes = dict(one.split("=", 1) for one in arguments.set)
     for name, tasks in tasks_of(arguments.half, arguments.folder, arguments.games).items():
@@ -315,6 +361,7 @@ def main() -> None:
                 arguments.best,
                 arguments.seed,
                 arguments.recipe,
+                arguments.reward,
                 changes,
             )
             figures, judged = taught.run(arguments.steps)
@@ -324,7 +371,8 @@ def main() -> None:
             if arguments.ledger:
                 with arguments.ledger.open("a") as file:
                     file.write(line + "\n")
-            kept = f"{arguments.recipe}-{arguments.seed}.trained"
+            of_reward = "truth" if arguments.reward == "truth" else arguments.recipe
+            kept = f"{of_reward}-{arguments.seed}.trained"
             path = path_of(arguments.folder, asked[index]).with_suffix(f".{kept}.json")
             taught.keep(path, figures, judged)
 
