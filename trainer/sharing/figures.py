@@ -185,11 +185,7 @@ def _measures(
     demonstrations: Sequence[RecordingRow],
 ) -> Iterator[Figure]:
     played = {
-        policy: [
-            row.recording
-            for row in games
-            if row.held_out and row.policy == policy and row.action_selection == "greedy"
-        ]
+        policy: [row.recording for row in evaluations.headline_games(games, policy)]
         for policy in evaluations.POLICIES
     }
     players = {str(policy): rows for policy, rows in played.items()}

@@ -204,11 +204,7 @@ def _measures(
     """Return the behaviour's measures over the games of imitator, clone and people."""
     behaviour = behaviours.as_behaviour(session.get_one(BehaviourRow, run.behaviour_id))
     played: dict[str, list[RecordingRow]] = {
-        policy: [
-            row.recording
-            for row in games
-            if row.held_out and row.policy == policy and row.action_selection == "greedy"
-        ]
+        policy: [row.recording for row in evaluations.headline_games(games, policy)]
         for policy in evaluations.POLICIES
     }
     played["person"] = [row for row in demonstrations if row.source == Source.PERSON]

@@ -148,18 +148,23 @@ def understood_shares(data: RunData, games: Sequence[EvaluationRow]) -> Understo
     unit = float(np.concatenate(best).mean())
     if unit <= 0:
         return None
-    shares: dict[str, list[float]] = {policy: [] for policy in POLICIES}
-    for row in _headline_games(games):
-        if row.predicted_return is None:
-            continue
-        # R is of the steps that the policy has played.
-        opening = _opening_steps(data, row)
-        n_steps = evaluations.figures_of(row).steps - opening
-        total = model.total_level(row.predicted_return, n_steps)
-        shares[row.policy].append(total / unit / (max_steps - opening))
-    imitator, clone = (interval(shares[policy]) if shares[policy] else None for policy in POLICIES)
+
+    def share(policy: str) -> Interval | None:
+        shares = []
+        for row in evaluations.headline_games(games, policy):
+            if row.predicted_return is None:
+                continue
+            # R is of the steps that the policy has played.
+            opening = _opening_steps(data, row)
+            n_steps = evaluations.figures_of(row).steps - opening
+            total = model.total_level(row.predicted_return, n_steps)
+            shares.append(total / unit / (max_steps - opening))
+        return interval(shares) if shares else None
+
     of_best = [float(levels.sum()) / unit / max_steps for levels in best]
-    return UnderstoodShares(imitator=imitator, clone=clone, best=interval(of_best))
+    return UnderstoodShares(
+        imitator=share("imitator"), clone=share("clone"), best=interval(of_best)
+    )
 
 
 def elsewhere_shares(data: RunData, games: Sequence[EvaluationRow]) -> ElsewhereShares | None:
@@ -184,7 +189,7 @@ def elsewhere_shares(data: RunData, games: Sequence[EvaluationRow]) -> Elsewhere
         return float(np.mean([share_elsewhere(game, other, columns) for other in others]))
 
     def away_from_best(policy: str) -> Interval | None:
-        rows = [row for row in _headline_games(games) if row.policy == policy][:_GAMES_PLACED]
+        rows = evaluations.headline_games(games, policy)[:_GAMES_PLACED]
         shares = []
         for row, facts in zip(rows, data.facts([one.recording_id for one in rows]), strict=True):
             played = facts[_opening_steps(data, row) :]
@@ -201,10 +206,6 @@ def elsewhere_shares(data: RunData, games: Sequence[EvaluationRow]) -> Elsewhere
         clone=away_from_best("clone"),
         best=interval(among_best) if among_best else None,
     )
-
-
-def _headline_games(games: Sequence[EvaluationRow]) -> list[EvaluationRow]:
-    return [row for row in games if row.held_out and row.action_selection == "greedy"]
 
 
 def _opening_steps(data: RunData, row: EvaluationRow) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Literal, NamedTuple
 
 from sqlalchemy import select
@@ -87,6 +87,15 @@ def listing(session: Session, run_id: str) -> list[EvaluationRow]:
         .order_by(EvaluationRow.start_number, EvaluationRow.policy, EvaluationRow.action_selection)
     )
     return list(session.scalars(query))
+
+
+def headline_games(games: Iterable[EvaluationRow], policy: str) -> list[EvaluationRow]:
+    """Return a policy's greedy games from held-out starts, which the headline figures are of."""
+    return [
+        row
+        for row in games
+        if row.held_out and (row.policy, row.action_selection) == (policy, "greedy")
+    ]
 
 
 def figures_of(row: EvaluationRow, n_targets: int | None = None) -> GameFigures:

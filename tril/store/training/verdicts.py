@@ -10,7 +10,7 @@ from tril.analysis.outcome import CheckOutcome
 from tril.analysis.reward_alarm import RewardAlarm
 from tril.analysis.verdict import Ended, RunFigures, Verdict, verdict
 from tril.games.behaviours import score
-from tril.games.measuring import measured_before
+from tril.games.measuring import mean_of, measured_before
 from tril.recipes import recipe_from_dict
 from tril.store import behaviours
 from tril.store.models import BehaviourRow, RunRow, RunStatus
@@ -59,17 +59,10 @@ def _sureness(check: CheckOutcome | None) -> float | None:
 def _measures_met(session: Session, run: RunRow, row: BehaviourRow) -> tuple[float, ...]:
     """Return the share of the imitator's games that meet each measure, see ``RunFigures``."""
     behaviour = behaviours.as_behaviour(row)
-    games = [
-        game.recording.measured
-        for game in evaluations.listing(session, run.id)
-        if game.held_out and (game.policy, game.action_selection) == ("imitator", "greedy")
-    ]
-    if not behaviour.measures or not games:
-        return ()
-    measured = [measured_before(behaviour.measures, values) for values in games]
-    met = [[one.met for one in of_measure] for of_measure in zip(*measured, strict=True)]
-    known = [[value for value in of_measure if value is not None] for of_measure in met]
-    return tuple(sum(values) / len(values) for values in known if values)
+    games = evaluations.headline_games(evaluations.listing(session, run.id), "imitator")
+    measured = [measured_before(behaviour.measures, one.recording.measured) for one in games]
+    means = [mean_of(of_measure) for of_measure in zip(*measured, strict=True)]
+    return tuple(mean.n_met / mean.n for mean in means if mean and mean.n_met is not None)
 
 
 def _best_targets(session: Session, run: RunRow) -> int | None:
