@@ -126,7 +126,7 @@ def test_moments_are_shown_and_what_is_pointed_at_is_meant_and_taken_back(page: 
     point = panel.get_by_role("button", name="Point at it")
     point.click()
     dialog = page.get_by_role("dialog", name="Point at what you mean")
-    player = dialog.get_by_role("button", name="what you steer (green paddle)", exact=True)
+    player = dialog.get_by_role("button", name="the green paddle", exact=True)
     expect(player).to_be_visible()
     boxes = dialog.locator("[data-kind]")
     expect(boxes.first).to_be_visible(timeout=PATIENCE_MS)
@@ -139,7 +139,7 @@ def test_moments_are_shown_and_what_is_pointed_at_is_meant_and_taken_back(page: 
     player.focus()
     page.keyboard.press("Enter")
     expect(dialog.get_by_role("heading", name="what you steer")).to_be_focused()
-    sentence = "what you steer (green paddle) higher up or lower down"
+    sentence = "the green paddle higher up or lower down"
     dialog.get_by_role("button", name=sentence).click()
     expect(dialog).to_have_count(0)
     expect(point).to_be_focused()

@@ -507,6 +507,8 @@ class Game:
         tallies: Counts read from bytes of memory, by name.
         pieces: What the pieces of its still picture are called that games clear, e.g. "dots";
             empty if they have no name.
+        formation: What the alike things are called that move together, e.g. "aliens"; empty if
+            they have no name.
         overlay: What the page may draw over its screens, if anything.
         memory_names: Names of memory addresses.
         ghost: Reads the player's track off a recording's memory and start; None if it can't be.
@@ -534,6 +536,7 @@ class Game:
     things: Mapping[str, Thing] = field(default_factory=dict)
     tallies: Mapping[str, Tally] = field(default_factory=dict)
     pieces: str = ""
+    formation: str = ""
     overlay: Overlay | None = None
     memory_names: Mapping[int, str] = field(default_factory=dict)
     ghost: Callable[[bytes, Start], Track] | None = None

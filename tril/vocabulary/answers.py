@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tril.vocabulary.facts import Vocabulary
+from tril.vocabulary.formations import FORMATION
 from tril.vocabulary.groups import Group
 from tril.vocabulary.kinds import Kind, Look
 from tril.vocabulary.pieces import PIECES
@@ -77,6 +78,8 @@ def kinds_about(words: Vocabulary, subjects: Sequence[str]) -> tuple[int, ...]:
         named = known_subject(words, subject).split()
         if named[0] == "pieces" and words.pieces is not None:
             kinds.append(PIECES)
+        if named[0] == "formation" and words.scene.formation is not None:
+            kinds.append(FORMATION)
         looks = [word for word in named if ":" in word]
         kinds += [i for i, kind in enumerate(words.kinds) if looks[-1:] == [_kind(kind)]]
     return tuple(dict.fromkeys(kinds))

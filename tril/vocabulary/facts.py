@@ -20,7 +20,8 @@ import numpy.typing as npt
 
 from tril.errors import Invalid
 from tril.games.things import Thing
-from tril.vocabulary.groups import NEAR_PX, Aspect, Group, binned, edges_of
+from tril.vocabulary.formations import FORMATION, Formation
+from tril.vocabulary.groups import NEAR_PX, Aspect, Group, Source, binned, edges_of
 from tril.vocabulary.kinds import (
     Array,
     Kind,
@@ -32,13 +33,17 @@ from tril.vocabulary.kinds import (
     offset_to_nearest,
     places,
 )
+from tril.vocabulary.lasting import Mask
 from tril.vocabulary.memory import facts_of_byte, memory_groups, with_signs
-from tril.vocabulary.pieces import Mask, cells_of, find_pieces, gone_pieces
+from tril.vocabulary.pieces import cells_of, find_pieces, gone_items, gone_pieces
 from tril.vocabulary.trace import Scene, Trace
 
-FORMAT_VERSION = 4
+FORMAT_VERSION = 5
 
 PLACE_BINS = 6
+LINE_BINS = 10
+"""Columns, or rows, of a formation that are told apart."""
+GONE_BY_LINE: tuple[Aspect, Aspect] = ("gone x", "gone y")
 MIN_SPAN_PX = 4
 """What moves less has no place worth a fact."""
 MIN_STEPS_SEEN = 100
@@ -47,20 +52,20 @@ COUNT_SCALE = 8
 SPREAD_FLOOR = 0.04
 """Smallest standard deviation by which a fact is divided, so that rare ones are held down."""
 
-Role = Literal["place", "relation", "thing", "pieces", "memory", "button", "time"]
+Role = Literal["place", "relation", "thing", "gone", "memory", "button", "time"]
 
 PRIOR_SHARES: dict[Role, float] = {
     "place": 0.25,
     "relation": 0.2,
     "thing": 0.2,
-    "pieces": 0.05,
+    "gone": 0.05,
     "memory": 0.25,
     "button": 0.05,
     "time": 0.05,
 }
 """Prior probability of what a statement's group is about: where the player's own thing is, how it
-stands to others, other things, what is cleared of the still picture, memory that follows no thing,
-buttons, how long the game lasts; of these, what the game has.
+stands to others, other things, what is cleared of the still picture or of a formation, memory that
+follows no thing, buttons, how long the game lasts; of these, what the game has.
 Buttons are few and are held differently by whoever plays better, so that they fit most orders a
 little."""
 
@@ -118,6 +123,7 @@ class Vocabulary:
             *_thing_groups(at, len(kinds)),
             *_relation_groups(traces, at, kinds, player),
             *_piece_groups(pieces),
+            *_formation_groups(traces, at, scene.formation, player),
         )
         empty = np.empty((0, 0), np.float32)
         words = cls(horizon, scene, kinds, player, pieces, groups, empty)
@@ -152,6 +158,10 @@ class Vocabulary:
         if group.twin is not None:
             # A byte that follows a thing stands for its place.
             subject = (group.twin.kind,)
+        elif group.source == "pieces" or group.aspect in ("gone", "gone x", "gone y"):
+            return "gone"
+        elif group.source == "formation":
+            return "relation"
         elif group.source != "thing":
             return group.source
         if len(subject) == 2:
@@ -164,6 +174,8 @@ class Vocabulary:
         at = places(played, self.kinds)
         offsets: dict[int, tuple[Array, Array]] = {}
         gone = gone_pieces(played, self.pieces) if self.pieces is not None else None
+        followed = played.followed
+        items = gone_items(followed) if followed is not None else None
         parts: list[Array] = []
         for group in self.groups:
             if group.source == "memory":
@@ -175,6 +187,17 @@ class Vocabulary:
             elif group.source == "pieces":
                 assert gone is not None
                 parts.append(gone.facts(group))
+            elif group.source == "formation" and not group.subject:
+                assert items is not None
+                parts.append(items.facts(group))
+            elif group.source == "formation":
+                assert followed is not None
+                player = group.subject[0]
+                if FORMATION not in offsets:
+                    offsets[FORMATION] = followed.offset_to_nearest(
+                        at.x[:, player], at.y[:, player]
+                    )
+                parts.append(_of_relation(group, *offsets[FORMATION]))
             elif len(group.subject) == 1:
                 parts.append(_of_things(group, at))
             else:
@@ -211,6 +234,7 @@ class Vocabulary:
             "kinds": [asdict(kind) for kind in self.kinds],
             "groups": [group.to_json() for group in self.groups],
         }
+        formation = self.scene.formation
         with path.open("wb") as file:
             np.savez_compressed(
                 file,
@@ -218,6 +242,8 @@ class Vocabulary:
                 background=self.scene.background,
                 beginning=self.scene.beginning,
                 pieces=np.zeros(0, np.bool_) if self.pieces is None else self.pieces,
+                items=np.zeros((0, 0), np.uint8) if formation is None else formation.items,
+                item_colours=np.zeros((0, 0), np.uint8) if formation is None else formation.colours,
                 pool=self.pool,
             )
 
@@ -243,10 +269,15 @@ class Vocabulary:
                     )
                     for kind in header["kinds"]
                 )
+                items = arrays["items"]
                 groups = (Group.from_json(group) for group in header["groups"])
                 return cls(
                     header["horizon"],
-                    Scene(arrays["background"], arrays["beginning"]),
+                    Scene(
+                        arrays["background"],
+                        arrays["beginning"],
+                        Formation(items, arrays["item_colours"]) if items.size else None,
+                    ),
                     tuple(kinds),
                     header["player"],
                     arrays["pieces"] if arrays["pieces"].size else None,
@@ -287,18 +318,32 @@ def _relation_groups(
             offset_to_nearest(played, kind, found.x[:, player], found.y[:, player])
             for played, found in zip(traces, at, strict=True)
         ]
-        dx, dy = (np.concatenate([pair[axis] for pair in offsets]) for axis in range(2))
-        seen = ~np.isnan(dx)
-        if seen.sum() < MIN_STEPS_SEEN:
-            continue
-        pair = (player, other)
-        if np.ptp(dx[seen]) >= MIN_SPAN_PX:
-            groups.append(Group("thing", pair, "dx", edges_of(dx[seen], PLACE_BINS)))
-            groups.append(Group("thing", pair, "level x"))
-        if np.ptp(dy[seen]) >= MIN_SPAN_PX:
-            groups.append(Group("thing", pair, "dy", edges_of(dy[seen], PLACE_BINS)))
-            groups.append(Group("thing", pair, "level y"))
-        groups.append(Group("thing", pair, "near"))
+        groups += _offset_groups("thing", (player, other), offsets)
+    return groups
+
+
+def _offset_groups(
+    source: Source, subject: tuple[int, ...], offsets: Sequence[tuple[Array, Array]]
+) -> list[Group]:
+    """Return the groups about where something is as seen from what the player steers.
+
+    Args:
+        source: Of the groups.
+        subject: Of the groups.
+        offsets: dx and dy in each step of each game; NaN where it is not there.
+    """
+    dx, dy = (np.concatenate([pair[axis] for pair in offsets]) for axis in range(2))
+    seen = ~np.isnan(dx)
+    if seen.sum() < MIN_STEPS_SEEN:
+        return []
+    groups: list[Group] = []
+    if np.ptp(dx[seen]) >= MIN_SPAN_PX:
+        groups.append(Group(source, subject, "dx", edges_of(dx[seen], PLACE_BINS)))
+        groups.append(Group(source, subject, "level x"))
+    if np.ptp(dy[seen]) >= MIN_SPAN_PX:
+        groups.append(Group(source, subject, "dy", edges_of(dy[seen], PLACE_BINS)))
+        groups.append(Group(source, subject, "level y"))
+    groups.append(Group(source, subject, "near"))
     return groups
 
 
@@ -314,6 +359,25 @@ def _piece_groups(pieces: Mask | None) -> list[Group]:
     for aspect, values in aspects:
         if np.ptp(values) >= MIN_SPAN_PX:
             groups.append(Group("pieces", (), aspect, edges_of(values, PLACE_BINS)))
+    return groups
+
+
+def _formation_groups(
+    traces: Sequence[Trace], at: Sequence[Places], formation: Formation | None, player: int | None
+) -> list[Group]:
+    if formation is None:
+        return []
+    groups = [Group("formation", (), "gone")]
+    for aspect, lines in zip(GONE_BY_LINE, formation.lines, strict=True):
+        if np.ptp(lines):
+            groups.append(Group("formation", (), aspect, edges_of(lines.astype(float), LINE_BINS)))
+    if player is not None:
+        offsets = [
+            played.followed.offset_to_nearest(found.x[:, player], found.y[:, player])
+            for played, found in zip(traces, at, strict=True)
+            if played.followed is not None
+        ]
+        groups += _offset_groups("formation", (player,), offsets)
     return groups
 
 

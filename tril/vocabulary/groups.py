@@ -17,7 +17,7 @@ ORDERED: tuple[Aspect, ...] = ("value", "x", "y", "dx", "dy", "gone x", "gone y"
 BIN_LENGTH = 2.0
 """Bins over which the prior correlation of two weights falls to 1/e."""
 
-Source = Literal["memory", "thing", "pieces", "button", "time"]
+Source = Literal["memory", "thing", "pieces", "formation", "button", "time"]
 Axis = Literal["x", "y"]
 Aspect = Literal[
     "value", "changes", "bits", "held", "x", "y", "count", "comes", "moves", "dx", "dy",
@@ -108,13 +108,15 @@ class Group:
     Attributes:
         source: Where they come from.
         subject: The byte, the button, or the kind of things; of a relation the player's kind and
-            the other one; nothing of time and of the pieces of the still picture.
+            the other one; nothing of time and of the pieces of the still picture; of a formation
+            nothing, or the player's kind where it is about where the nearest item is.
         aspect: What of it: "value" of a byte in bins, its "changes" (up, down, by more than one)
             and the "bits" of a slow one; "held" of a button (held, pressed); of a kind of things
             "x" and "y" in bins, "count" (any, how many), "comes" (appears, vanishes) and "moves"
             (right, left, down, up); of two kinds "dx" and "dy" in bins, "level x", "level y" and
-            "near" within 8, 16 and 32 pixels; of pieces what share is "gone", whether it grows,
-            and what share in bins of "x" and "y"; of time "played", which holds in every step.
+            "near" within 8, 16 and 32 pixels; of pieces, and of a formation, what share is "gone",
+            whether it grows, and what share in bins of "x" and "y", or by column and row; of time
+            "played", which holds in every step.
         edges: Between the bins; in pixels where a byte tells a place.
         twin: Of a byte the place that it tells, if any.
         signs: Of a byte that tells no place, what goes with each of its facts; None for one that

@@ -7,7 +7,7 @@ import fcntl
 import hashlib
 import json
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
@@ -17,13 +17,16 @@ import numpy as np
 from tril.demonstrators.random_play import play_randomly
 from tril.errors import Invalid
 from tril.files.artifact_store import write_whole
-from tril.games.base import Game
+from tril.games.base import Console, Game, Screen
 from tril.recording import Recording
 from tril.vocabulary.blobs import Background
 from tril.vocabulary.facts import FORMAT_VERSION, Vocabulary
-from tril.vocabulary.trace import Scene, count_background, trace
+from tril.vocabulary.formations import alike_things, moving_formation, without_formation
+from tril.vocabulary.trace import Scene, count_background, follow, trace
 
 N_GAMES = 40
+N_FOLLOWED = 16
+"""Games in which it is looked whether alike things move together."""
 SEED = 20_261_128
 FOLDER = "vocabularies"
 SHIPPED = Path(__file__).with_name("shipped")
@@ -74,7 +77,7 @@ def make_vocabulary(game: Game, progress: Progress | None = None) -> Vocabulary:
     for number, recording in enumerate(recordings, 1):
         count_background(recording, console, background, beginning)
         report(n_games + number, total)
-    scene = Scene(background.mode(), beginning.mode())
+    scene = _scene(background.mode(), beginning.mode(), recordings[:N_FOLLOWED], console)
     traces = []
     for number, recording in enumerate(recordings, 1):
         traces.append(trace(recording, console, scene))
@@ -83,6 +86,20 @@ def make_vocabulary(game: Game, progress: Progress | None = None) -> Vocabulary:
     return Vocabulary.of_games(
         traces, scene, len(game.controls.buttons), game.clock.max_steps, game.things
     )
+
+
+def _scene(
+    background: Screen, beginning: Screen, recordings: Sequence[Recording], console: Console
+) -> Scene:
+    """Return what screens have in common, with the formation that some games show, if any."""
+    candidate = alike_things(beginning)
+    if candidate is None:
+        return Scene(background, beginning)
+    games = [follow(recording, console, candidate) for recording in recordings]
+    formation = moving_formation(candidate, games)
+    if formation is None:
+        return Scene(background, beginning)
+    return Scene(without_formation(background, formation, games), beginning, formation)
 
 
 def vocabulary_of(data: Path, game: Game, progress: Progress | None = None) -> Vocabulary:

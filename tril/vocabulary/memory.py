@@ -35,7 +35,7 @@ LEAST_CORRELATION = 0.4
 RAREST_FACT = 0.002
 """Share of the steps: what is rarer, or rarer absent, goes with nothing."""
 
-SEEN = ("thing", "pieces", "button")
+SEEN = ("thing", "pieces", "formation", "button")
 """Sources of facts that may go with a byte."""
 
 Bytes = npt.NDArray[np.uint8]

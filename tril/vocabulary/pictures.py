@@ -17,7 +17,9 @@ from tril.play.episode import Episode
 from tril.recording import Recording, replay
 from tril.vocabulary.blobs import Blobs, box_of
 from tril.vocabulary.facts import Vocabulary
-from tril.vocabulary.pieces import PIECES, Mask
+from tril.vocabulary.formations import FORMATION
+from tril.vocabulary.lasting import Mask
+from tril.vocabulary.pieces import PIECES
 from tril.vocabulary.trace import colours_of, rgb_of, trace
 
 SIZE_PX = 32
@@ -33,9 +35,9 @@ MOST_GAMES = 8
 def pictures_of(
     words: Vocabulary, recordings: Sequence[Recording], console: Console
 ) -> dict[int, bytes]:
-    """Return a PNG of each kind of things that some games show, and of the pieces.
+    """Return a PNG of each kind of things that some games show, of the pieces and the formation.
 
-    The key is the kind's index, or PIECES.
+    The key is the kind's index, PIECES or FORMATION.
 
     Args:
         words: The game's vocabulary.
@@ -55,10 +57,12 @@ def pictures_of(
                 blob = _typical(members, words.scene.background.shape)
                 shown[int(blob["step"])].append((kind, blob))
         pictures |= _cut(recording, console, shown)
-    if words.pieces is not None:
-        pictures[PIECES] = _picture_of_pieces(
-            words.scene.beginning, words.pieces, recordings[0].game
-        )
+    formation = words.scene.formation
+    of_items = None if formation is None else formation.items > 0
+    for index, pixels in ((PIECES, words.pieces), (FORMATION, of_items)):
+        if pixels is not None:
+            game = recordings[0].game
+            pictures[index] = _picture_of_pixels(words.scene.beginning, pixels, game)
     return pictures
 
 
@@ -150,15 +154,15 @@ def lit(colours: Screen, pieces: Mask, game: Game) -> Screen:
     return shown
 
 
-def _picture_of_pieces(colours: Screen, pieces: Mask, game: Game) -> bytes:
-    """Return a PNG of the part of a screen in which there are pieces, at least SIZE_PX each way."""
+def _picture_of_pixels(colours: Screen, lit_pixels: Mask, game: Game) -> bytes:
+    """Return a PNG of the part of a screen in which pixels are lit, at least SIZE_PX each way."""
     parts: list[slice] = []
-    for axis, length in enumerate(pieces.shape):
-        covered = np.flatnonzero(pieces.any(1 - axis))
+    for axis, length in enumerate(lit_pixels.shape):
+        covered = np.flatnonzero(lit_pixels.any(1 - axis))
         extent = slice(int(covered[0]), int(covered[-1]) + 1)
         parts.append(_around(extent, max(SIZE_PX, extent.stop - extent.start), length))
     file = io.BytesIO()
-    Image.fromarray(lit(colours, pieces, game)[tuple(parts)]).save(file, "PNG", optimize=True)
+    Image.fromarray(lit(colours, lit_pixels, game)[tuple(parts)]).save(file, "PNG", optimize=True)
     return file.getvalue()
 
 

@@ -14,17 +14,15 @@ import numpy as np
 import numpy.typing as npt
 
 from tril.games.base import Screen
+from tril.vocabulary.formations import Followed
 from tril.vocabulary.groups import Group, binned
 from tril.vocabulary.kinds import Array
+from tril.vocabulary.lasting import Mask, lasting
 from tril.vocabulary.trace import Trace, sampled, strides_of
-
-Mask = npt.NDArray[np.bool_]
 
 PIECES = 255
 """Stands for the pieces where things are named by the index of their kind."""
 
-LASTING_STEPS = 8
-"""Half a second, for which a place has to look changed: passing things hide it for less."""
 MIN_STEPS_LEFT = 15
 """Steps after a change that it takes to tell whether the place changes back."""
 STAYING_SHARE = 0.9
@@ -43,18 +41,6 @@ MOST_OF_SCREEN = 0.5
 """What covers more of the screen is a picture that moves."""
 MOST_AREA = 0.05
 """Of the screen: a larger area of one colour is what is behind the pieces."""
-
-
-def lasting(changed: Mask) -> Mask:
-    """Return where a place looks changed for a while from a step on, bool (n_steps, n_cells).
-
-    Args:
-        changed: Where it looks changed, of the same shape.
-    """
-    lasts = changed.copy()
-    for lag in range(1, LASTING_STEPS):
-        lasts[:-lag] &= changed[lag:]
-    return lasts
 
 
 def find_pieces(traces: Sequence[Trace], beginning: Screen) -> Mask | None:
@@ -129,12 +115,12 @@ def _spread_out(grid: Mask, shape: tuple[int, ...]) -> Mask:
 
 
 @dataclass(frozen=True, eq=False)
-class GonePieces:
-    """What of the pieces is gone in a game.
+class Gone:
+    """What of the pieces, or of the items of a formation, is gone in a game.
 
     Attributes:
-        is_gone: In each step, bool (n_steps, n_cells).
-        x: Where each cell is in pixels, int64 (n_cells,).
+        is_gone: Which cells, or items, are in each step, bool (n_steps, n_places).
+        x: Where each cell is in pixels, or the column of each item from 0, int64 (n_places,).
         y: The same, downwards.
     """
 
@@ -143,7 +129,7 @@ class GonePieces:
     y: npt.NDArray[np.int64]
 
     def facts(self, group: Group) -> Array:
-        """Return the facts of a group about pieces, float32 (n_steps, n_facts), 0 to 1."""
+        """Return the facts of a group about them, float32 (n_steps, n_facts), 0 to 1."""
         if group.aspect == "gone":
             share = self.is_gone.mean(1, dtype=np.float32)
             return np.stack([share, np.diff(share, prepend=share[:1]) > 0], 1)
@@ -153,7 +139,7 @@ class GonePieces:
         return shares
 
 
-def gone_pieces(played: Trace, pieces: Mask) -> GonePieces:
+def gone_pieces(played: Trace, pieces: Mask) -> Gone:
     """Return what of the pieces is gone in a game.
 
     Args:
@@ -162,7 +148,13 @@ def gone_pieces(played: Trace, pieces: Mask) -> GonePieces:
     """
     rows, columns = cells_of(pieces)
     own = np.flatnonzero(sampled(pieces))
-    return GonePieces(lasting(played.changed[:, own]), columns, rows)
+    return Gone(lasting(played.changed[:, own]), columns, rows)
+
+
+def gone_items(followed: Followed) -> Gone:
+    """Return what of a formation is gone in a game, by column and row at the beginning."""
+    columns, rows = followed.formation.lines
+    return Gone(lasting(followed.missing), columns, rows)
 
 
 @dataclass(frozen=True, eq=False)

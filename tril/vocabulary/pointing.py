@@ -8,7 +8,7 @@ from tril.games.base import Game
 from tril.vocabulary.answers import subject_of
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.groups import Group
-from tril.vocabulary.sentences import kind_name, kind_of, pieces_name
+from tril.vocabulary.sentences import GONE, kind_name, kind_of
 
 _OF_THING = {
     "x": "{thing} further to the left or right",
@@ -24,10 +24,10 @@ _OF_RELATION = {
     "level y": "{player} level with {thing} or not",
     "near": "{player} near {thing} or away from it",
 }
-_OF_PIECES = {
-    "gone": "more or fewer {pieces} cleared",
-    "gone x": "{pieces} cleared further to the left or right",
-    "gone y": "{pieces} cleared higher up or lower down",
+_OF_GONE = {
+    "gone": "more or fewer {things} cleared",
+    "gone x": "{things} cleared further to the left or right",
+    "gone y": "{things} cleared higher up or lower down",
 }
 _OF_MEMORY = {
     "value": "{memory}: larger or smaller",
@@ -66,20 +66,20 @@ def meanings_of(words: Vocabulary, game: Game) -> tuple[Pointed, ...]:
 
 def _open_sentence(words: Vocabulary, group: Group, game: Game) -> str | None:
     """Return what a group can say, with neither way preferred; None where nobody can name it."""
-    if group.source == "pieces":
-        return _OF_PIECES[group.aspect].format(pieces=pieces_name(words, game))
     kind = kind_of(group)
     if kind is not None:
         thing = kind_name(words, kind, game)
+        if group.aspect in GONE:
+            return _OF_GONE[group.aspect].format(things=thing)
         if group.twin is not None:
             aspect = group.twin.axis if group.aspect == "value" else "moves"
             return _OF_THING[aspect].format(thing=thing)
-        if len(group.subject) == 1:
+        if group.aspect in _OF_THING:
             return _OF_THING[group.aspect].format(thing=thing)
         player = kind_name(words, group.subject[0], game)
         return _OF_RELATION[group.aspect].format(thing=thing, player=player)
     if group.source == "button":
-        return f"{game.controls.buttons[group.subject[0]]} held more or less"
+        return f"holding {game.controls.buttons[group.subject[0]]} more or less"
     if group.source == "time":
         return "the game lasting longer or shorter"
     byte = group.subject[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection
 from dataclasses import dataclass, field, replace
 
@@ -11,6 +12,7 @@ import numpy.typing as npt
 from tril.games.base import Game
 from tril.vocabulary.answers import subject_of
 from tril.vocabulary.facts import Vocabulary
+from tril.vocabulary.formations import FORMATION
 from tril.vocabulary.groups import Group, Sign
 from tril.vocabulary.pieces import PIECES
 from tril.vocabulary.posterior import Posterior, Statement
@@ -31,6 +33,9 @@ SURE_CORRELATION = 0.7
 
 ONE_COLOUR = 0.6
 """Share of the pieces that have a colour by which all are called."""
+
+GONE = ("gone", "gone x", "gone y")
+"""Aspects of what is cleared."""
 
 _COLOURS: dict[str, tuple[int, int, int]] = {
     "black": (0, 0, 0),
@@ -200,31 +205,31 @@ def _of_seen(words: Vocabulary, group: Group, weights: Array, game: Game) -> str
     """Return what the weights of a group say that is about no byte."""
     if group.source == "button":
         fact = _telling_fact(words, group, weights)
-        how = ("held {}", "pressed {} often")[fact].format("more" if weights[fact] > 0 else "less")
-        return f"{game.controls.buttons[group.subject[0]]} {how}"
+        button, amount = game.controls.buttons[group.subject[0]], _amount(weights[fact])
+        return (f"holding {button} {amount}", f"pressing {button} {amount} often")[fact]
     if group.source == "time":
         return f"the game going on {'longer' if weights.sum() > 0 else 'less long'}"
-    if group.source == "pieces":
-        pieces = pieces_name(words, game)
+    if group.aspect in GONE:
+        pieces = kind_name(words, _seen_kind(group), game)
         if group.aspect != "gone":
-            return f"more {pieces} cleared {_part_of_screen(words, group, weights)}"
+            return f"more {pieces} cleared {_part(words, group, weights)}"
         fact = _telling_fact(words, group, weights)
         if fact == 0:
             return f"{'more' if weights[fact] > 0 else 'fewer'} {pieces} cleared"
-        return f"{pieces} cleared {'more' if weights[fact] > 0 else 'less'} often"
-    name = kind_name(words, group.subject[-1], game)
+        return f"{pieces} cleared {_amount(weights[fact])} often"
+    name = kind_name(words, _seen_kind(group), game)
     if group.aspect == "count":
         fact = _telling_fact(words, group, weights)
         return f"{'more' if weights[fact] > 0 else 'fewer'} of {name}"
     if group.aspect == "comes":
         fact = _telling_fact(words, group, weights)
         how = ("appearing", "vanishing")[fact]
-        return f"{name} {how} {'more' if weights[fact] > 0 else 'less'} often"
+        return f"{name} {how} {_amount(weights[fact])} often"
     if group.aspect == "moves":
         fact = _telling_fact(words, group, weights)
         way = ("right", "left", "down", "up")[fact]
-        return f"{name} moving {way} {'more' if weights[fact] > 0 else 'less'}"
-    if len(group.subject) == 1:
+        return f"{name} moving {way} {_amount(weights[fact])}"
+    if group.aspect in ("x", "y"):
         return f"{name} {_range(group, weights, group.aspect)}"
     player = kind_name(words, group.subject[0], game)
     if group.aspect == "near":
@@ -239,6 +244,11 @@ def _of_seen(words: Vocabulary, group: Group, weights: Array, game: Game) -> str
         side = sides[direction > 0]
         return f"{name} more {f'to the {side} of' if axis == 'x' else side} {player}"
     return f"{name} {_offset(*_bounds(group, weights), axis)} {player}"
+
+
+def _amount(weight: float) -> str:
+    """Return whether what has a weight is wanted or not."""
+    return "more" if weight > 0 else "less"
 
 
 def _offset(low: float | None, high: float | None, axis: str) -> str:
@@ -286,7 +296,7 @@ def _of_byte(words: Vocabulary, group: Group, weights: Array, game: Game) -> Phr
             way = f"{ways[1]} or {ways[0]}" if twin.axis == "x" else "up or down"
         else:
             way = ways[int((abs(rises) >= abs(falls)) != (twin.direction > 0))]
-        amount = "more" if (rises if abs(rises) >= abs(falls) else falls) > 0 else "less"
+        amount = _amount(rises if abs(rises) >= abs(falls) else falls)
         name = kind_name(words, twin.kind, game)
         return Phrase(f"{name} moving {way} {amount}", twin.kind, detail)
     if named:
@@ -315,7 +325,7 @@ def _of_bare_byte(words: Vocabulary, group: Group, weights: Array) -> str:
         if rises <= 0 and falls <= 0:
             return "changing less often"
         up = abs(rises) >= abs(falls)
-        amount = "more" if (rises if up else falls) > 0 else "less"
+        amount = _amount(rises if up else falls)
         return f"{'rising' if up else 'falling'} {amount} often"
     if group.aspect == "bits":
         bit = _telling_fact(words, group, weights)
@@ -345,20 +355,20 @@ def _clause(words: Vocabulary, sign: Sign, game: Game) -> str:
     group, fact = sign.group, sign.fact
     if group.source == "button":
         return f"{game.controls.buttons[group.subject[0]]} is {('held', 'pressed')[fact]}"
-    if group.source == "pieces":
-        pieces = pieces_name(words, game)
+    if group.aspect in GONE:
+        pieces = kind_name(words, _seen_kind(group), game)
         if group.aspect == "gone":
             return f"{pieces} are {('cleared', 'being cleared')[fact]}"
         weights = np.eye(group.n_facts)[fact]
-        return f"{pieces} are cleared {_part_of_screen(words, group, weights)}"
-    name = kind_name(words, group.subject[-1], game)
+        return f"{pieces} are cleared {_part(words, group, weights)}"
+    name = kind_name(words, _seen_kind(group), game)
     if group.aspect == "count":
         return f"{name} is there" if fact == 0 else f"there are more of {name}"
     if group.aspect == "comes":
         return f"{name} {('appears', 'vanishes')[fact]}"
     if group.aspect == "moves":
         return f"{name} moves {('right', 'left', 'down', 'up')[fact]}"
-    if len(group.subject) == 1:
+    if group.aspect in ("x", "y"):
         weights = np.zeros(group.n_facts)
         weights[fact] = 1
         return f"{name} is {_span(*_bounds(group, weights), group.aspect)}"
@@ -393,6 +403,33 @@ def _bounds(group: Group, weights: Array) -> tuple[float | None, float | None]:
     low = group.edges[first - 1] if first else None
     high = group.edges[last] if last < len(group.edges) else None
     return low, high
+
+
+def _part(words: Vocabulary, group: Group, weights: Array) -> str:
+    """Return where things are cleared: on the screen, or in a formation."""
+    tell_part = _part_of_formation if group.source == "formation" else _part_of_screen
+    return tell_part(words, group, weights)
+
+
+def _part_of_formation(words: Vocabulary, group: Group, weights: Array) -> str:
+    """Return where in a formation things are cleared: "in column 3 of 6 from the left"."""
+    formation = words.scene.formation
+    assert formation is not None
+    is_column = group.aspect == "gone x"
+    line = "column" if is_column else "row"
+    direction = _direction(weights)
+    if direction:
+        near, far = ("left", "right") if is_column else ("top", "bottom")
+        return f"towards the {far if direction > 0 else near}"
+    low, high = _bounds(group, weights)
+    n_lines = int(formation.lines[0 if is_column else 1].max()) + 1
+    first = 1 if low is None else math.ceil(low) + 1
+    last = n_lines if high is None else math.floor(high) + 1
+    if not is_column:
+        # Rows count from the one that is nearest to the player.
+        first, last = n_lines - last + 1, n_lines - first + 1
+    numbers = f"{line} {first}" if first == last else f"{line}s {first} to {last}"
+    return f"in {numbers} of {n_lines} from the {'left' if is_column else 'bottom'}"
 
 
 def _part_of_screen(words: Vocabulary, group: Group, weights: Array) -> str:
@@ -444,27 +481,34 @@ def _span(low: float | None, high: float | None, aspect: str) -> str:
 
 
 def kind_of(group: Group) -> int | None:
-    """Return the kind of things that a group is about, or PIECES; None if it is about none.
+    """Return the kind that a group is about, or PIECES or FORMATION; None if it is about none.
 
     Of a relation it is the other thing.
     """
     if group.twin is not None:
         return group.twin.kind
+    return _seen_kind(group) if group.source in ("thing", "pieces", "formation") else None
+
+
+def _seen_kind(group: Group) -> int:
+    """Return the kind of a group about what is seen, or PIECES or FORMATION."""
     if group.source == "pieces":
         return PIECES
-    return group.subject[-1] if group.source == "thing" else None
+    return FORMATION if group.source == "formation" else group.subject[-1]
 
 
 def kind_name(words: Vocabulary, index: int, game: Game) -> str:
     """Return what a kind of things is called: by the game, or by its colour and size."""
     if index == PIECES:
         return pieces_name(words, game)
+    if index == FORMATION:
+        return game.formation or "things in formation"
     kind = words.kinds[index]
     thing = game.things.get(kind.name) if kind.name is not None else None
-    if index == words.player:
-        return "what you steer" + (f" ({thing.title})" if thing else "")
     if thing:
         return thing.title if thing.title[0].isupper() else f"the {thing.title}"
+    if index == words.player:
+        return "what you steer"
     look = kind.looks[0]
     width, height = round(sum(look.width) / 2), round(sum(look.height) / 2)
     return f"the {colour_name(rgb_of(look.colour, game))} thing of {width}x{height} px"

@@ -13,6 +13,7 @@ from tril.games.base import Console, Game, Screen
 from tril.play.episode import Episode
 from tril.recording import Recording, replay
 from tril.vocabulary.blobs import BLOB_DTYPE, Background, Blobs, find_blobs
+from tril.vocabulary.formations import Followed, Follower, Formation
 
 MOST_SHIFT_PX = 6
 """Between the two last frames of a step, by which a thing seen in both may have moved."""
@@ -36,10 +37,12 @@ class Scene:
     Attributes:
         background: Most frequent colour of each pixel, uint8 (height, width).
         beginning: The same of the first steps of a game, see `brightest`.
+        formation: Alike things that move together, if there are any.
     """
 
     background: Screen
     beginning: Screen
+    formation: Formation | None = None
 
 
 @dataclass(frozen=True)
@@ -53,6 +56,7 @@ class Trace:
         packed_changed: Of each step, which pixels of the sampled screen differ from the beginning
             of a game, in row-major order, packed into bits, uint8 (n_steps, n_bytes).
         n_cells: Number of pixels of the sampled screen.
+        followed: Where the scene's formation is, if it has one.
     """
 
     memory: npt.NDArray[np.uint8]
@@ -60,6 +64,7 @@ class Trace:
     blobs: Blobs
     packed_changed: npt.NDArray[np.uint8]
     n_cells: int
+    followed: Followed | None = None
 
     @property
     def changed(self) -> npt.NDArray[np.bool_]:
@@ -170,6 +175,16 @@ def count_background(
     look_at_steps(recording, console, look)
 
 
+def follow(recording: Recording, console: Console, formation: Formation) -> Followed:
+    """Replay a recording and return where a formation is in it."""
+    luminance = luminance_of(recording.game)
+    follower = Follower(formation)
+    look_at_steps(
+        recording, console, lambda screens, *_: follower.look(brightest(screens, luminance))
+    )
+    return follower.followed
+
+
 def trace(recording: Recording, console: Console, scene: Scene) -> Trace:
     """Replay a recording and return what is seen of it.
 
@@ -188,13 +203,18 @@ def trace(recording: Recording, console: Console, scene: Scene) -> Trace:
     beginning = sampled(scene.beginning)
     luminance = luminance_of(recording.game)
     controls = recording.game.controls
+    follower = None if scene.formation is None else Follower(scene.formation)
 
     def look(screens: list[Screen], ram: bytes, actions: bytes) -> None:
+        shown = brightest(screens, luminance)
+        if follower is not None:
+            follower.look(shown)
+            # The items are told by the formation, and are no blobs.
+            screens = [follower.without_items(screen, scene.background) for screen in screens]
         of_step = _blobs_of_step(screens, scene.background)
         of_step["step"] = len(memory)
         blobs.append(of_step)
-        shown = brightest([sampled(screen) for screen in screens], luminance)
-        changed.append(np.packbits(shown != beginning))
+        changed.append(np.packbits(sampled(shown) != beginning))
         memory.append(np.frombuffer(ram, np.uint8))
         action = int(np.bincount(np.frombuffer(actions, np.uint8)).argmax())
         held.append(controls.held[action])
@@ -206,6 +226,7 @@ def trace(recording: Recording, console: Console, scene: Scene) -> Trace:
         np.concatenate([np.empty(0, BLOB_DTYPE), *blobs]),
         np.array(changed, np.uint8).reshape(len(memory), -(-beginning.size // 8)),
         beginning.size,
+        None if follower is None else follower.followed,
     )
 
 

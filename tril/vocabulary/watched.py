@@ -15,6 +15,7 @@ from tril.games.base import Console
 from tril.recording import Recording
 from tril.vocabulary.blobs import box_of
 from tril.vocabulary.facts import Vocabulary
+from tril.vocabulary.formations import FORMATION
 from tril.vocabulary.kinds import Array
 from tril.vocabulary.moments import Seconds, seconds_of
 from tril.vocabulary.pieces import PIECES, Areas, gone_pieces
@@ -30,7 +31,7 @@ THING_DTYPE = np.dtype(
         ("height", "<i2"),
     ]
 )
-"""A thing in a step: the index of its kind, or PIECES, and its box in pixels."""
+"""A thing in a step: the index of its kind, PIECES or FORMATION, and its box in pixels."""
 
 Things = npt.NDArray[np.void]
 """Things in order of time, THING_DTYPE (n,)."""
@@ -98,7 +99,7 @@ class Watched:
 
 
 def things_of(played: Trace, words: Vocabulary) -> Things:
-    """Return the things of a vocabulary's kinds, and the pieces, that a game shows in each step."""
+    """Return what a game shows in each step: things of kinds, pieces, items of a formation."""
     parts = [np.empty(0, THING_DTYPE)]
     for index, kind in enumerate(words.kinds):
         members = played.blobs[kind.members(played.blobs)]
@@ -115,6 +116,15 @@ def things_of(played: Trace, words: Vocabulary) -> Things:
         part["step"], part["kind"] = steps, PIECES
         for column, name in enumerate(("left", "top", "width", "height")):
             part[name] = areas.boxes[shown, column]
+        parts.append(part)
+    if played.followed is not None:
+        followed = played.followed
+        steps, shown = np.nonzero(~followed.missing)
+        part = np.zeros(len(steps), THING_DTYPE)
+        part["step"], part["kind"] = steps, FORMATION
+        boxes = followed.formation.boxes[shown]
+        part["left"], part["top"] = (boxes[:, :2] + followed.shifts[steps]).T
+        part["width"], part["height"] = (boxes[:, 2:] - boxes[:, :2]).T
         parts.append(part)
     things = np.concatenate(parts)
     return things[np.argsort(things["step"], kind="stable")]

@@ -98,7 +98,7 @@ class RankingOpinion(Schema):
 
 
 Subjects = Annotated[
-    list[Annotated[str, Field(pattern=r"^(thing|pieces|memory|button|time) [a-z0-9:~ -]{1,90}$")]],
+    list[Annotated[str, Field(pattern=r"^(thing|pieces|formation|memory|button|time) [a-z0-9:~ -]{1,90}$")]],
     Field(min_length=1, max_length=2),
 ]
 

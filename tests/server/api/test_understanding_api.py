@@ -176,7 +176,7 @@ def test_things_are_named_with_what_may_be_meant_of_them(learned: Learned) -> No
     named = learned.client.get(f"{RANKING}/things").json()
     first, *rest = named["things"]
     # As the game's measures name it.
-    assert first["name"] == "what you steer (cannon)"
+    assert first["name"] == "the cannon"
     assert rest
     for thing in named["things"]:
         assert thing["meanings"]

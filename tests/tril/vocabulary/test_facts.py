@@ -162,9 +162,9 @@ def test_a_button_that_is_held_longer_and_pressed_less_often_is_held_more(
         return phrase(words, words.groups[index], weights, game).text
 
     # A press is rare, so that its weight is the larger one by far.
-    assert told(0.5, -0.4) == "down held more"
-    assert told(-0.5, 0.4) == "down held less"
-    assert told(0.4, -0.5) == "down pressed less often"
+    assert told(0.5, -0.4) == "holding down more"
+    assert told(-0.5, 0.4) == "holding down less"
+    assert told(0.4, -0.5) == "pressing down less often"
 
 
 @pytest.mark.parametrize(

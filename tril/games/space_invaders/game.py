@@ -90,6 +90,7 @@ SPACE_INVADERS = Game(
     counters={"shots": "missiles fired"},
     things=THINGS,
     pieces="shields",
+    formation="aliens",
     overlay=Overlay(
         painter="alien-formation",
         geometry={
