@@ -21,7 +21,7 @@ import numpy.typing as npt
 from tril.errors import Invalid
 from tril.games.things import Thing
 from tril.vocabulary.formations import FORMATION, Formation
-from tril.vocabulary.groups import NEAR_PX, Aspect, Group, Source, binned, edges_of
+from tril.vocabulary.groups import BY_PLACE, NEAR_PX, Aspect, Group, Source, binned, edges_of
 from tril.vocabulary.kinds import (
     Array,
     Kind,
@@ -43,7 +43,6 @@ FORMAT_VERSION = 5
 PLACE_BINS = 6
 LINE_BINS = 10
 """Columns, or rows, of a formation that are told apart."""
-GONE_BY_LINE: tuple[Aspect, Aspect] = ("gone x", "gone y")
 MIN_SPAN_PX = 4
 """What moves less has no place worth a fact."""
 MIN_STEPS_SEEN = 100
@@ -368,7 +367,7 @@ def _formation_groups(
     if formation is None:
         return []
     groups = [Group("formation", (), "gone")]
-    for aspect, lines in zip(GONE_BY_LINE, formation.lines, strict=True):
+    for aspect, lines in zip(BY_PLACE, formation.lines, strict=True):
         if np.ptp(lines):
             groups.append(Group("formation", (), aspect, edges_of(lines.astype(float), LINE_BINS)))
     if player is not None:

@@ -14,6 +14,8 @@ from tril.vocabulary.shapes import Shapes, shapes_of
 
 NEAR_PX = (8, 16, 32)
 ORDERED: tuple[Aspect, ...] = ("value", "x", "y", "dx", "dy", "gone x", "gone y")
+BY_PLACE: tuple[Aspect, ...] = ("gone x", "gone y")
+"""Aspects of what is cleared, bin by bin."""
 BIN_LENGTH = 2.0
 """Bins over which the prior correlation of two weights falls to 1/e."""
 
@@ -138,7 +140,7 @@ class Group:
     @property
     def shapes(self) -> Shapes:
         """The shapes of statements about it."""
-        return shapes_of(self.n_facts, self.aspect in ORDERED)
+        return shapes_of(self.n_facts, self.aspect in ORDERED, self.aspect in BY_PLACE)
 
     @property
     def prior_root(self) -> npt.NDArray[np.float64]:

@@ -212,7 +212,7 @@ def _of_seen(words: Vocabulary, group: Group, weights: Array, game: Game) -> str
     if group.aspect in GONE:
         pieces = kind_name(words, _seen_kind(group), game)
         if group.aspect != "gone":
-            return f"more {pieces} cleared {_part(words, group, weights)}"
+            return _of_cleared(pieces, _part(words, group, weights), weights)
         fact = _telling_fact(words, group, weights)
         if fact == 0:
             return f"{'more' if weights[fact] > 0 else 'fewer'} {pieces} cleared"
@@ -244,6 +244,14 @@ def _of_seen(words: Vocabulary, group: Group, weights: Array, game: Game) -> str
         side = sides[direction > 0]
         return f"{name} more {f'to the {side} of' if axis == 'x' else side} {player}"
     return f"{name} {_offset(*_bounds(group, weights), axis)} {player}"
+
+
+def _of_cleared(pieces: str, part: str, weights: Array) -> str:
+    """Return where pieces are cleared, and whether they are not elsewhere."""
+    if _direction(weights) or weights.min() > -weights.max() / 2:
+        return f"more {pieces} cleared {part}"
+    only = "" if part.startswith("anywhere") else "only "
+    return f"{pieces} cleared {only}{part}"
 
 
 def _amount(weight: float) -> str:

@@ -21,6 +21,8 @@ _TREND_SHARE = 0.2
 """That it rises or falls over the bins."""
 _SIDE_SHARE = 0.25
 """That it is about all bins up to one, or from one on; the rest is about a range within."""
+_ONLY_SHARE = 0.4
+"""Of the statements about what is cleared, by place: that it is cleared there and nowhere else."""
 _FREE_SHARE_UNORDERED = 0.5
 """The same as `FREE_SHARE` for facts without an order; the others are about a single fact."""
 
@@ -30,7 +32,7 @@ class Shapes:
     """Statements of one weight about a group.
 
     Attributes:
-        sums: What each weighs, float64 (n_facts, n_shapes), 0 to 1.
+        sums: What each weighs, float64 (n_facts, n_shapes), 0 to 1, or -1 for what is not wanted.
         shares: Prior probability of each among the group's statements, float64 (n_shapes,).
         free_share: Prior probability of a weight for each fact; with the shares it adds up to 1.
         is_positive: Whether the weights are above 0, so that what is earned ends with the game. A
@@ -44,12 +46,14 @@ class Shapes:
 
 
 @lru_cache
-def shapes_of(n_facts: int, is_ordered: bool) -> Shapes:
+def shapes_of(n_facts: int, is_ordered: bool, excludes: bool = False) -> Shapes:
     """Return the shapes of statements about a group.
 
     Args:
         n_facts: Number of the group's facts.
         is_ordered: Whether they are bins in order.
+        excludes: Whether what is true of some bins need not be false of others, so that it may be
+            wanted in some and not in the others.
     """
     if n_facts == 1:
         return Shapes(np.zeros((1, 0)), np.zeros(0), 1.0, is_positive=is_ordered)
@@ -77,4 +81,10 @@ def shapes_of(n_facts: int, is_ordered: bool) -> Shapes:
         ]
     )
     sums = np.stack([rising, 1 - rising, *sides, *ranges], 1)
+    if excludes:
+        only = 2 * np.stack([*sides, *ranges], 1) - 1
+        of_only = np.full(only.shape[1], _ONLY_SHARE / only.shape[1])
+        shares = np.concatenate([(1 - _ONLY_SHARE) * shares, of_only])
+        sums = np.concatenate([sums, only], 1)
+        free_share *= 1 - _ONLY_SHARE
     return Shapes(sums, shares, free_share, is_positive=True)

@@ -232,7 +232,8 @@ def test_an_order_by_the_items_of_a_column_is_told(words: Vocabulary, column: in
     summaries = np.stack([words.summary(words.facts(game)) for game in games])
     understood = understand(words, summaries, tiers)
     told = tell(words, understood.posterior, game_named("space_invaders"))[0]
-    assert told.sentence == f"more aliens cleared in column {column + 1} of 5 from the left"
+    # As many are cleared in all games, so that the others are not wanted.
+    assert told.sentence == f"aliens cleared only in column {column + 1} of 5 from the left"
     assert told.kinds == (FORMATION,)
 
 
@@ -240,6 +241,7 @@ def test_an_order_by_the_items_of_a_column_is_told(words: Vocabulary, column: in
     ("aspect", "weights", "where"),
     [
         ("gone x", [0, 0, 1, 0, 0], "in column 3 of 5 from the left"),
+        ("gone x", [-0.1, 0.2, 1, 0, 0], "in column 3 of 5 from the left"),
         ("gone x", [0, 0, 0, 1, 1], "in columns 4 to 5 of 5 from the left"),
         ("gone x", [5, 4, 3, 2, 1], "towards the left"),
         ("gone y", [0, 0, 1], "in row 1 of 3 from the bottom"),
@@ -256,6 +258,13 @@ def test_a_part_of_a_formation_is_told_by_its_lines(
     assert told.text == f"more aliens cleared {where}"
     assert kinds_about(words, [subject_of(words, group)]) == (FORMATION,)
     assert kind_name(words, FORMATION, game_named("pong")) == "things in formation"
+
+
+def test_what_is_cleared_only_in_a_part_is_told_so(words: Vocabulary) -> None:
+    game = game_named("space_invaders")
+    group = next(g for g in words.groups if (g.source, g.aspect) == ("formation", "gone x"))
+    told = phrase(words, group, np.array([-1.0, 1.0, -1.0, -1.0, -1.0]), game)
+    assert told.text == "aliens cleared only in column 2 of 5 from the left"
 
 
 def test_a_formation_can_be_pointed_at(words: Vocabulary) -> None:

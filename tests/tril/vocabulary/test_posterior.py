@@ -148,11 +148,18 @@ def test_one_step_tells_which_statements_are_worth_a_fit() -> None:
     assert down[5] == -np.inf
 
 
-@pytest.mark.parametrize(("n_facts", "is_ordered"), [(1, True), (2, True), (6, True), (3, False)])
+@pytest.mark.parametrize(
+    ("n_facts", "is_ordered", "excludes"),
+    [
+        *((n_facts, True, excludes) for n_facts in (2, 6) for excludes in (False, True)),
+        (1, True, False),
+        (3, False, False),
+    ],
+)
 def test_shapes_and_free_weights_share_all_of_the_probability(
-    n_facts: int, is_ordered: bool
+    n_facts: int, is_ordered: bool, excludes: bool
 ) -> None:
-    shapes = shapes_of(n_facts, is_ordered)
+    shapes = shapes_of(n_facts, is_ordered, excludes)
     assert shapes.shares.sum() + shapes.free_share == pytest.approx(1)
     assert shapes.sums.shape == (n_facts, len(shapes.shares))
     distinct = {tuple(one) for one in shapes.sums.T.tolist()}
