@@ -470,6 +470,18 @@ describe("the results", () => {
     expect(screen.getByText("1 further start")).toBeVisible();
   });
 
+  it("fold the games of all starts on a phone", async () => {
+    vi.stubGlobal("matchMedia", (query: string) =>
+      Object.assign(new EventTarget(), { media: query, matches: query.includes("max-width") }),
+    );
+    open(one, results, {}, "#games");
+    const summary = await screen.findByText("Games from 2 starts");
+    const game = () => screen.getByRole("button", { name: /^Watch imitator from start 3/ });
+    expect(game()).not.toBeVisible();
+    await userEvent.click(summary);
+    expect(game()).toBeVisible();
+  });
+
   it("show which aliens the reward wants, and which it is not sure of", async () => {
     open(one, results, {}, "#check");
     const wanted = within(await screen.findByRole("region", { name: "What the reward wants" }));

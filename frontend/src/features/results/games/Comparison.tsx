@@ -8,12 +8,16 @@ import { GamePicture, LOOPS } from "@/components/recording/GamePicture";
 import type { Watched } from "@/features/results/watched";
 import { useGame } from "@/games/game";
 import { describeEnd, describeResult } from "@/games/outcomes";
+import { useMedia } from "@/lib/browser/use-media";
 import { inSentence, NONE } from "@/lib/format";
 import { strayWords, takenCells } from "@/lib/game/items";
 import { playedBy, type Actor, actorNames } from "@/lib/actors";
 
 import { AddToRanking } from "./AddToRanking";
 import styles from "./Comparison.module.css";
+
+/** A phone, where each start is a card: see Comparison.module.css. */
+const NARROW = "(max-width: 48rem)";
 
 interface ComparisonProps {
   results: RunResults;
@@ -24,7 +28,15 @@ interface ComparisonProps {
 /** Compares the games of imitator and clone, start by start, below the best demonstration. */
 export function Comparison({ results, behaviour, onWatch }: ComparisonProps) {
   const { comparison, further_comparison: further, best_demonstration: best } = results;
+  const narrow = useMedia(NARROW);
   const shared = { behaviour, onWatch };
+  const starts = comparison.length + further.length;
+  const first = (
+    <StartsTable rows={comparison} label={t`Games from the first starts`} {...shared} />
+  );
+  const others = further.length > 0 && (
+    <StartsTable rows={further} label={t`Games from further starts`} {...shared} />
+  );
   return (
     <>
       {behaviour.target && (
@@ -54,14 +66,26 @@ export function Comparison({ results, behaviour, onWatch }: ComparisonProps) {
           <GameCell actor={playedBy(best.source)} best recording={best} from="" {...shared} />
         </div>
       )}
-      <StartsTable rows={comparison} label={t`Games from the first starts`} {...shared} />
-      {further.length > 0 && (
+      {narrow ? (
         <details className={styles.more}>
           <summary>
-            {plural(further.length, { one: "# further start", other: "# further starts" })}
+            {plural(starts, { one: "Games from # start", other: "Games from # starts" })}
           </summary>
-          <StartsTable rows={further} label={t`Games from further starts`} {...shared} />
+          {first}
+          {others}
         </details>
+      ) : (
+        <>
+          {first}
+          {others && (
+            <details className={styles.more}>
+              <summary>
+                {plural(further.length, { one: "# further start", other: "# further starts" })}
+              </summary>
+              {others}
+            </details>
+          )}
+        </>
       )}
     </>
   );
