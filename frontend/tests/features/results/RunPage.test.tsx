@@ -494,6 +494,28 @@ describe("the results", () => {
     expect(screen.getByText("1 further start")).toBeVisible();
   });
 
+  it("have no column for the better game where none is known to be better", async () => {
+    const undecided = (rows: RunResults["comparison"] = []) =>
+      rows.map((row) => ({ ...row, winner: null }));
+    open(
+      one,
+      {
+        ...results,
+        comparison: undecided(results.comparison),
+        further_comparison: undecided(results.further_comparison),
+      },
+      {},
+      "#games",
+    );
+    const table = within(await screen.findByRole("table", { name: "Games from the first starts" }));
+    expect(table.getAllByRole("columnheader").map((cell) => cell.textContent)).toEqual([
+      "Start",
+      "Imitator",
+      "Clone",
+    ]);
+    expect(screen.queryByText("Imitator against clone")).toBeNull();
+  });
+
   it("fold the games of all starts on a phone", async () => {
     vi.stubGlobal("matchMedia", (query: string) =>
       Object.assign(new EventTarget(), { media: query, matches: query.includes("max-width") }),

@@ -29,7 +29,9 @@ interface ComparisonProps {
 export function Comparison({ results, behaviour, onWatch }: ComparisonProps) {
   const { comparison, further_comparison: further, best_demonstration: best } = results;
   const narrow = useMedia(NARROW);
-  const shared = { behaviour, onWatch };
+  // Without targets, nothing decides between two games.
+  const decided = [...comparison, ...further].some(({ winner }) => winner !== null);
+  const shared = { behaviour, decided, onWatch };
   const starts = comparison.length + further.length;
   const first = (
     <StartsTable rows={comparison} label={t`Games from the first starts`} {...shared} />
@@ -63,7 +65,14 @@ export function Comparison({ results, behaviour, onWatch }: ComparisonProps) {
           <p>
             <Trans>For comparison: the best demonstration, one game from a start of its own.</Trans>
           </p>
-          <GameCell actor={playedBy(best.source)} best recording={best} from="" {...shared} />
+          <GameCell
+            actor={playedBy(best.source)}
+            best
+            recording={best}
+            from=""
+            behaviour={behaviour}
+            onWatch={onWatch}
+          />
         </div>
       )}
       {narrow ? (
@@ -111,10 +120,12 @@ interface StartsTableProps {
   rows: readonly ComparisonRow[];
   label: string;
   behaviour: Behaviour;
+  /** Whether any game is known to be better than another, and so has a column. */
+  decided: boolean;
   onWatch: (watched: Watched) => void;
 }
 
-function StartsTable({ rows, label, behaviour, onWatch }: StartsTableProps) {
+function StartsTable({ rows, label, behaviour, decided, onWatch }: StartsTableProps) {
   return (
     <table className={styles.table} aria-label={label}>
       <thead>
@@ -128,9 +139,11 @@ function StartsTable({ rows, label, behaviour, onWatch }: StartsTableProps) {
           <th scope="col">
             <ActorMark actor="clone" />
           </th>
-          <th scope="col">
-            <Trans>Imitator against clone</Trans>
-          </th>
+          {decided && (
+            <th scope="col">
+              <Trans>Imitator against clone</Trans>
+            </th>
+          )}
         </tr>
       </thead>
       <tbody>
@@ -153,12 +166,14 @@ function StartsTable({ rows, label, behaviour, onWatch }: StartsTableProps) {
               <td>
                 <GameCell actor="clone" recording={row.clone?.recording} {...cells} />
               </td>
-              <td className={styles.winner}>
-                <span className={styles.only}>
-                  <Trans>Imitator against clone</Trans>
-                </span>
-                <Winner winner={row.winner} />
-              </td>
+              {decided && (
+                <td className={styles.winner}>
+                  <span className={styles.only}>
+                    <Trans>Imitator against clone</Trans>
+                  </span>
+                  <Winner winner={row.winner} />
+                </td>
+              )}
             </tr>
           );
         })}
