@@ -826,7 +826,7 @@ describe("what training needs", () => {
     show(<RankPage behaviour={behaviour({ n_recordings: 4, target: null })} />);
     await screen.findByRole("region", { name: "What training needs" });
     const hints = await unfoldNeeds();
-    expect(hints.getByText(/the agent begins by copying them\.$/)).toBeVisible();
+    expect(hints.getByText(/the imitator begins by copying them\.$/)).toBeVisible();
     expect(hints.queryByText(/\bhit\b/)).toBeNull();
     const card = within(await screen.findByRole("article", { name: "Recording 2" }));
     expect(card.getByText(/survived all 300 steps/)).toBeVisible();

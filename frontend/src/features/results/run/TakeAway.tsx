@@ -40,7 +40,7 @@ export function TakeAway({ run, behaviour }: { run: Run; behaviour: Behaviour })
       </div>
       <p>
         <Trans>
-          One zip with a report that opens anywhere, the policies and the reward as files that load
+          One zip with a report that opens anywhere, imitator, clone and reward as files that load
           without Tril, all games, curves and hyperparameters. <code>tril runs import</code> reads
           it again, on any machine.
         </Trans>
