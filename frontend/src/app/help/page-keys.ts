@@ -30,7 +30,7 @@ const everywhere = (): KeySection => ({
 });
 
 const watch = (): KeySection => ({
-  title: t`Watching a policy play`,
+  title: t`Watching imitator or clone play`,
   rows: [
     row(t`pause or go on`, t`Space`),
     row(t`one step`, "."),

@@ -11,7 +11,7 @@ export function SourceBadge({ recording }: { recording: Recording }) {
   const name = {
     person: t`person`,
     scripted: t`scripted`,
-    policy: t`policy`,
+    policy: t`imitator or clone`,
     varied: t`varied play`,
   }[source];
   return (

@@ -175,7 +175,7 @@ function Target({ game, value, noTarget, onChange }: TargetProps) {
     <div className={styles.target} data-empty={noTarget || undefined}>
       <Checkbox
         label={words.choosesTargets()}
-        hint={t`Hits and strays are then counted. The agent never sees this: it learns from your ranking and your perfect games.`}
+        hint={t`Hits and strays are then counted. The imitator never sees this: it learns from your ranking and your perfect games.`}
         checked={value.hasTarget}
         onChange={(hasTarget) => onChange({ hasTarget })}
       />

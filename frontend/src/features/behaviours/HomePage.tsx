@@ -117,7 +117,7 @@ function Welcome({ all }: { all: readonly Behaviour[] }) {
       <section className={styles.hero}>
         <div className={styles.pitch}>
           <h1>
-            <Trans>Teach an agent by showing it better and worse games</Trans>
+            <Trans>Teach an imitator by showing it better and worse games</Trans>
           </h1>
           <p>
             <Trans>
@@ -166,7 +166,7 @@ function Welcome({ all }: { all: readonly Behaviour[] }) {
             <Trans>3. Train</Trans>
           </strong>
           <span>
-            <Trans>Tril learns a reward from the order, then trains an agent to earn it.</Trans>
+            <Trans>Tril learns a reward from the order, then trains an imitator to earn it.</Trans>
           </span>
         </li>
         <li>
@@ -174,7 +174,7 @@ function Welcome({ all }: { all: readonly Behaviour[] }) {
             <Trans>4. Look</Trans>
           </strong>
           <span>
-            <Trans>Side by side: the agent, a clone that copies your best games, and you.</Trans>
+            <Trans>Side by side: the imitator, a clone that copies your best games, and you.</Trans>
           </span>
         </li>
       </ol>

@@ -65,7 +65,7 @@ function hintsFor(
               other: "# games have a star.",
             }),
             isReadByStatements(behaviour)
-              ? t`Star at least three of your best games: the agent begins by copying them.`
+              ? t`Star at least three of your best games: the imitator begins by copying them.`
               : t`Star at least three of your best games: training learns most from what they hit.`,
           ].join(" "),
         },

@@ -15,6 +15,7 @@ import {
   allPlaces,
   describePlace,
   describePosition,
+  describeStep,
   findPlace,
   isGap,
 } from "@/features/ranking/board/places";
@@ -96,7 +97,6 @@ export function RankingDesk({ behaviour, ranking, recordings, isWhole }: Ranking
     search.has("compare") && canCompare(state, unranked) ? unranked : null,
   );
   const [dragging, setDragging] = useState(false);
-  useUndoKeys(saver, compared === null && !dragging);
   useChangesElsewhere(state);
   const refocus = useKeptFocus(tiers);
   /** The card that was moved last, which is laid out even out of sight, to keep the focus. */
@@ -110,6 +110,17 @@ export function RankingDesk({ behaviour, ranking, recordings, isWhole }: Ranking
   );
 
   const nameOf = useCallback((id: number) => recordingName(byId.get(id)), [byId]);
+  const step = useCallback(
+    (which: "undo" | "redo") => {
+      // What was said before may be the same, and is to be heard again.
+      setSpoken("");
+      void saver.step(which).then((stepped) => {
+        if (stepped) setSpoken(describeStep(which, stepped, nameOf));
+      });
+    },
+    [saver, nameOf],
+  );
+  useUndoKeys(step, compared === null && !dragging);
   const nameOfItem = useCallback((item: string) => nameOf(Number(item)), [nameOf]);
   const nameOfPlace = useCallback((to: string) => describePlace(to, tiers), [tiers]);
 
@@ -249,6 +260,7 @@ export function RankingDesk({ behaviour, ranking, recordings, isWhole }: Ranking
             <SaveBar
               state={state}
               saver={saver}
+              onStep={step}
               onTurnRound={() => {
                 saver.change(turnRound(tiers));
                 setSpoken(t`The order is reversed: what was worst is best.`);

@@ -14,11 +14,13 @@ import styles from "./SaveBar.module.css";
 export function SaveBar({
   state,
   saver,
+  onStep,
   onTurnRound,
   children,
 }: {
   state: SaverState;
   saver: RankingSaver;
+  onStep: (step: "undo" | "redo") => void;
   /** Makes the worst the best. */
   onTurnRound: () => void;
   children: ReactNode;
@@ -36,14 +38,15 @@ export function SaveBar({
         <IconButton
           icon="undo"
           label={t`Undo (Ctrl+Z)`}
-          disabled={!saved.can_undo || conflict !== null}
-          onClick={() => void saver.step("undo")}
+          // Disabled after the last undo, it would lose the focus.
+          aria-disabled={!saved.can_undo || conflict !== null}
+          onClick={() => onStep("undo")}
         />
         <IconButton
           icon="redo"
           label={t`Redo (Ctrl+Shift+Z)`}
-          disabled={!saved.can_redo || conflict !== null}
-          onClick={() => void saver.step("redo")}
+          aria-disabled={!saved.can_redo || conflict !== null}
+          onClick={() => onStep("redo")}
         />
         <IconButton
           icon="turnRound"

@@ -216,7 +216,7 @@ function Facts({ recording, behaviour }: { recording: Recording; behaviour: Beha
       {recording.run_id !== null && (
         <p>
           <Link to={`/runs/${recording.run_id}`}>
-            <Trans>The run whose policy played it</Trans>
+            <Trans>The run whose imitator or clone played it</Trans>
           </Link>
         </p>
       )}

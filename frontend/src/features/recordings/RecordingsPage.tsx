@@ -90,7 +90,7 @@ function NoRecordings({
     >
       <p>
         <Trans>
-          Games that you play and keep are collected here. An agent learns from the differences
+          Games that you play and keep are collected here. The imitator learns from the differences
           between them, so play bad ones too.
         </Trans>
       </p>

@@ -10,7 +10,6 @@ import { isAlive, systemQuery } from "@/api/system";
 import type { Behaviour, Recipe } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { useDraft, useHasDraft } from "@/components/controls/drafts";
-import { Badge } from "@/components/feedback/Badge";
 import { Notice } from "@/components/feedback/States";
 import { RunName } from "@/components/RunName";
 import { whole } from "@/lib/format";
@@ -19,6 +18,7 @@ import { describeEstimate, isActive, proposedSteps } from "@/lib/runs";
 import { defaultsOf, errorsIn, type FormValues, readWhole, runOf } from "./form";
 import { MoreSettings } from "./MoreSettings";
 import { missingFor, Readiness } from "./Readiness";
+import { RecipeCard } from "./RecipeCard";
 import { StepsField } from "./StepsField";
 import styles from "./TrainForm.module.css";
 
@@ -86,23 +86,15 @@ export function TrainForm(props: TrainFormProps) {
           <Trans>Recipe</Trans>
         </legend>
         <div className={styles.recipes}>
-          {recipes.map(({ name, summary }, index) => (
-            <label key={name} className={styles.recipe}>
-              <input
-                type="radio"
-                name="recipe"
-                value={name}
-                checked={name === recipe.name}
-                onChange={() => draft.set({ chosen: name, edits })}
-              />
-              <strong>{name}</strong>
-              {index === 0 && (
-                <Badge tone="good">
-                  <Trans>Recommended</Trans>
-                </Badge>
-              )}
-              <span>{summary}</span>
-            </label>
+          {recipes.map((one, index) => (
+            <RecipeCard
+              key={one.name}
+              recipe={one}
+              behaviour={behaviour}
+              recommended={index === 0}
+              checked={one === recipe}
+              onChoose={() => draft.set({ chosen: one.name, edits })}
+            />
           ))}
         </div>
       </fieldset>

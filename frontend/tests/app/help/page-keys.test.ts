@@ -30,7 +30,7 @@ describe("the keys of a page", () => {
       ["Ranking", "Placing by comparing", "Watching a recording", "Everywhere"],
     ],
     ["/recordings/3", ["Watching a recording", "Everywhere"]],
-    ["/runs/abc/watch", ["Watching a policy play", "Everywhere"]],
+    ["/runs/abc/watch", ["Watching imitator or clone play", "Everywhere"]],
     ["/runs/compare", ["On a chart", "Everywhere"]],
     ["/runs/abc", ["On a chart", "Comparing blind", "Watching a recording", "Everywhere"]],
   ])("at %s are those of %j", (path, expected) => expect(titles(path)).toEqual(expected));
@@ -64,7 +64,7 @@ describe("the keys of a page", () => {
       const press = { ...us(`Key${key}`), repeat: false };
       expect([key, intentOf(press, "ended", 10_000, DEFAULT_KEYS)]).not.toEqual([key, null]);
     }
-    for (const key of letters(keysOf("/runs/abc/watch", "Watching a policy play"))) {
+    for (const key of letters(keysOf("/runs/abc/watch", "Watching imitator or clone play"))) {
       expect(watchIntentOf({ ...us(`Key${key}`), repeat: false }, 1)).not.toBeNull();
     }
   });

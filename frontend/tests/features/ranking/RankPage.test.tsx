@@ -434,6 +434,33 @@ describe("ranking by keyboard", () => {
     await waitFor(() => expect(board()).toEqual([["2"], ["1"]]));
   });
 
+  it("announces what an undo or a redo changed", async () => {
+    await open({ tiers: [[1], [2], [3]] });
+    await press("Up: Recording 3");
+    await screen.findByText("Saved");
+    const undo = screen.getByRole("button", { name: "Undo (Ctrl+Z)" });
+    await userEvent.click(undo);
+    expect(await screen.findByText(/^Undone\./)).toHaveTextContent(
+      /^Undone\. Recording \d: tier \d of 3, alone\.$/,
+    );
+    expect(screen.getByText(/^Undone\./)).toHaveAttribute("role", "status");
+    expect(undo).toHaveFocus();
+    await press("Redo (Ctrl+Shift+Z)");
+    expect(await screen.findByText(/^Redone\./)).toHaveTextContent(
+      "Redone. Recording 3: unranked.",
+    );
+  });
+
+  it("keeps the focus on undo once nothing is left to undo, and announces nothing then", async () => {
+    const server = await open({ tiers: [[1], [2]] });
+    const undo = screen.getByRole("button", { name: "Undo (Ctrl+Z)" });
+    expect(undo).toHaveAttribute("aria-disabled", "true");
+    await userEvent.click(undo);
+    expect(undo).toHaveFocus();
+    expect(server.now().revision).toBe(1);
+    expect(screen.queryByText(/^Undone\./)).toBeNull();
+  });
+
   it("is reversed by one button, which an undo takes back", async () => {
     const server = await open({ tiers: [[1], [2, 3], [4]] });
     const turn = screen.getByRole("button", { name: "Reverse the order" });
@@ -445,6 +472,7 @@ describe("ranking by keyboard", () => {
     await waitFor(() => expect(server.now().tiers).toEqual([[4], [2, 3], [1]]));
     await userEvent.keyboard("{Control>}z{/Control}");
     await waitFor(() => expect(board()).toEqual([["1"], ["2", "3"], ["4"]]));
+    expect(await screen.findByText("Undone. The order is reversed.")).toBeInTheDocument();
   });
 
   it("of a single tier cannot be reversed", async () => {
@@ -798,7 +826,7 @@ describe("what training needs", () => {
     show(<RankPage behaviour={behaviour({ n_recordings: 4, target: null })} />);
     await screen.findByRole("region", { name: "What training needs" });
     const hints = await unfoldNeeds();
-    expect(hints.getByText(/the agent begins by copying them\.$/)).toBeVisible();
+    expect(hints.getByText(/the imitator begins by copying them\.$/)).toBeVisible();
     expect(hints.queryByText(/\bhit\b/)).toBeNull();
     const card = within(await screen.findByRole("article", { name: "Recording 2" }));
     expect(card.getByText(/survived all 300 steps/)).toBeVisible();

@@ -364,6 +364,8 @@ describe("the page of a recording", () => {
     page({ run_id: "3f2a9c00-0000-4000-8000-000000000000", source: "policy" });
     await position();
     expect(screen.queryByRole("button", { name: "Delete" })).toBeNull();
-    expect(screen.getByRole("link", { name: /The run whose policy played it/ })).toBeVisible();
+    expect(
+      screen.getByRole("link", { name: /The run whose imitator or clone played it/ }),
+    ).toBeVisible();
   });
 });

@@ -104,7 +104,10 @@ describe("taking a run away", () => {
     URL.createObjectURL = () => "blob:1";
     const section = within(await screen.findByRole("region", { name: "Take it with you" }));
     await userEvent.click(section.getByRole("button", { name: "Everything as a zip" }));
-    expect(section.getByRole("button", { name: "Making the zip…" })).toBeDisabled();
+    expect(section.getByRole("button", { name: "Making the zip…" })).toHaveAttribute(
+      "aria-disabled",
+      "true",
+    );
     finish(new ArrayBuffer(8));
     await section.findByRole("button", { name: "Everything as a zip" });
     expect(saved).toEqual([`tril-${behaviour().slug}-${one.id.slice(0, 8)}.zip`]);
@@ -134,6 +137,27 @@ describe("taking a run away", () => {
     }
     await waitFor(() => expect(saved).toEqual([`${name}.html`, `${name}.html`, `${name}.png`]));
     expect(asked.filter(({ path }) => /page\.(html|png)$/.test(path))).toHaveLength(3);
+  });
+
+  it("keeps the focus on Share and announces what was saved", async () => {
+    const one = run({ status: "done" });
+    let finish: (content: ArrayBuffer) => void = () => undefined;
+    const made = new Promise<ArrayBuffer>((resolve) => (finish = resolve));
+    const asked = open(one, {}, { [`GET /api/runs/${one.id}/page.html`]: () => made });
+    vi.spyOn(HTMLAnchorElement.prototype, "click").mockImplementation(() => undefined);
+    URL.createObjectURL = () => "blob:1";
+    await userEvent.click(await screen.findByRole("button", { name: "Share" }));
+    const making = screen.getByRole("button", { name: "Making the page…" });
+    expect(making).toHaveFocus();
+    await userEvent.keyboard("{Enter}");
+    finish(new ArrayBuffer(8));
+    const messages = screen.getByRole("status", { name: "Messages" });
+    const name = `tril-${behaviour().slug}-${one.id.slice(0, 8)}.html`;
+    await waitFor(() =>
+      expect(messages).toHaveTextContent(`The page was saved as ${name}. It opens in any browser.`),
+    );
+    expect(screen.getByRole("button", { name: "Share" })).toHaveFocus();
+    expect(asked.filter(({ path }) => path.endsWith("/page.html"))).toHaveLength(1);
   });
 
   it("says why that failed", async () => {
@@ -468,6 +492,40 @@ describe("the results", () => {
     expect(screen.getAllByRole("button", { name: /^Watch best demonstration/ })).toHaveLength(1);
     expect(table.getByText("seen in training")).toBeVisible();
     expect(screen.getByText("1 further start")).toBeVisible();
+  });
+
+  it("have no column for the better game where none is known to be better", async () => {
+    const undecided = (rows: RunResults["comparison"] = []) =>
+      rows.map((row) => ({ ...row, winner: null }));
+    open(
+      one,
+      {
+        ...results,
+        comparison: undecided(results.comparison),
+        further_comparison: undecided(results.further_comparison),
+      },
+      {},
+      "#games",
+    );
+    const table = within(await screen.findByRole("table", { name: "Games from the first starts" }));
+    expect(table.getAllByRole("columnheader").map((cell) => cell.textContent)).toEqual([
+      "Start",
+      "Imitator",
+      "Clone",
+    ]);
+    expect(screen.queryByText("Imitator against clone")).toBeNull();
+  });
+
+  it("fold the games of all starts on a phone", async () => {
+    vi.stubGlobal("matchMedia", (query: string) =>
+      Object.assign(new EventTarget(), { media: query, matches: query.includes("max-width") }),
+    );
+    open(one, results, {}, "#games");
+    const summary = await screen.findByText("Games from 2 starts");
+    const game = () => screen.getByRole("button", { name: /^Watch imitator from start 3/ });
+    expect(game()).not.toBeVisible();
+    await userEvent.click(summary);
+    expect(game()).toBeVisible();
   });
 
   it("show which aliens the reward wants, and which it is not sure of", async () => {

@@ -64,6 +64,24 @@ describe("training", () => {
     expect(screen.getByRole("radio", { name: /fast/ })).not.toHaveAccessibleName(/Recommended/);
   });
 
+  it("describes a recipe in plain words, with the time that it takes on this machine", async () => {
+    const stranger = recipe({ name: "lab", summary: "Our own values." });
+    open(RANKED, { "GET /api/recipes": () => [recipe(), recipe({ name: "any" }), stranger] });
+    const fast = await screen.findByRole("radio", { name: "fast Recommended" });
+    expect(fast).toHaveAccessibleDescription(
+      "Take it if your order is about what gets hit." +
+        " Needs: at least two ranked games; stars on the best ones help." +
+        " Takes: about 12\u00a0min." +
+        " Gives: an imitator that starts from a copy of your best games, and what should be hit.",
+    );
+    expect(screen.getByRole("radio", { name: "any" })).toHaveAccessibleDescription(
+      /^Take it for any goal, in any game\./,
+    );
+    expect(screen.getByRole("radio", { name: "lab" })).toHaveAccessibleDescription(
+      "Our own values. Takes: about 12\u00a0min.",
+    );
+  });
+
   it("keeps what was entered when the page is left, and warns of an order that is not saved", async () => {
     writeDraft("ranking 1", { base: 1, tiers: [[1], [2]] });
     const { router } = open(RANKED);

@@ -154,7 +154,7 @@ function Facts({ game }: { game: TaughtGame }) {
       <p>
         <Trans>
           Its buttons: {buttons}. {game.frame_rate_hz} frames a second, {game.frames_per_step} of
-          them for a decision of an agent.
+          them for a decision of the imitator.
         </Trans>
       </p>
       {game.waits && (

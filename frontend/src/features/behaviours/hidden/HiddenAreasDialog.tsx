@@ -61,8 +61,8 @@ export function HiddenAreasDialog({ behaviour, onClose }: HiddenAreasDialogProps
     >
       <p className={styles.note}>
         <Trans>
-          Neither the reward nor the agent sees what is covered. Cover the score and the lives, so
-          that it learns from your order alone.
+          Neither the reward nor the imitator sees what is covered. Cover the score and the lives,
+          so that it learns from your order alone.
         </Trans>
       </p>
       {fixed !== null && <p className={styles.note}>{fixed}</p>}

@@ -42,8 +42,8 @@ export function MeasureBuilder({ value, onChange }: MeasureBuilderProps) {
       </summary>
       <p className={styles.note}>
         <Trans>
-          Every game is checked, yours and the agent&rsquo;s. The agent never sees this: it learns
-          from your ranking and your perfect games.
+          Every game is checked, yours and the imitator&rsquo;s. The imitator never sees this: it
+          learns from your ranking and your perfect games.
         </Trans>
       </p>
       {value.map((measure, index) => (

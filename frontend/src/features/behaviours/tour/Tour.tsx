@@ -24,11 +24,11 @@ const steps = () =>
     },
     {
       title: t`Train`,
-      text: t`Press Train. Tril learns a reward from your order, then trains an agent to earn it. You can go on playing meanwhile.`,
+      text: t`Press Train. Tril learns a reward from your order, then trains an imitator to earn it. You can go on playing meanwhile.`,
     },
     {
       title: t`Look`,
-      text: t`See what the agent learned, beside the clone and your own games. Watch it, take over, or rank its games to teach it more.`,
+      text: t`See what the imitator learned, beside the clone and your own games. Watch it, take over, or rank its games to teach it more.`,
     },
   ] as const;
 

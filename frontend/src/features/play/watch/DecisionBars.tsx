@@ -49,7 +49,7 @@ export function DecisionBars({ handle }: { handle: RefObject<DecisionHandle | nu
         ))}
       </ol>
       <p
-        title={t`The learned reward R of what is on the screen now, ± its standard deviation: 0 is nothing reached, 1 as in the best games. The policy does not see it.`}
+        title={t`The learned reward R of what is on the screen now, ± its standard deviation: 0 is nothing reached, 1 as in the best games. Imitator and clone do not see it.`}
       >
         <Trans>
           Reward R <b ref={figure}>{NONE}</b>

@@ -13,6 +13,7 @@ import { useGame } from "@/games/game";
 import { describeResult, endSentence } from "@/games/outcomes";
 import { classes } from "@/lib/classes";
 import type { ScreenFormat, ScreenPainter } from "@/lib/game/screen";
+import { inSentence } from "@/lib/format";
 import { type ScreenSize, useFittingScreenSize } from "@/lib/game/use-screen-size";
 import { actorNames, actorColour } from "@/lib/actors";
 
@@ -88,7 +89,7 @@ export function LaneView(props: LaneViewProps) {
         <div ref={stage} className={styles.stage}>
           <GameCanvas size={size} label={t`Screen of game ${lane + 1}`} onPainter={setPainter} />
           {props.attention && shown && isOf(shown, props.attention) && (
-            <AttentionOver shown={shown} size={size} opacity={props.opacity} />
+            <AttentionOver actor={actor} shown={shown} size={size} opacity={props.opacity} />
           )}
           {ended && (
             <div className={styles.ended} role="status">
@@ -107,7 +108,7 @@ export function LaneView(props: LaneViewProps) {
           <span className="visually-hidden">{actorNames()[actor]}</span>
         </ActorMark>
         <select
-          aria-label={t`Player of game ${lane + 1}`}
+          aria-label={t`Who plays game ${lane + 1}`}
           value={player}
           onChange={(event) => {
             const chosen = PLAYERS.find((one) => one === event.currentTarget.value);
@@ -139,10 +140,12 @@ export function LaneView(props: LaneViewProps) {
 }
 
 function AttentionOver({
+  actor,
   shown,
   size,
   opacity,
 }: {
+  actor: "imitator" | "clone";
   shown: LaneAttention;
   size: ScreenSize;
   opacity: number;
@@ -153,7 +156,11 @@ function AttentionOver({
     <>
       <AttentionLayer
         map={values}
-        label={shown.action === null ? t`What the reward looks at` : t`What the policy looks at`}
+        label={
+          shown.action === null
+            ? t`What the reward looks at`
+            : t`What the ${inSentence(actorNames()[actor])} looks at`
+        }
         size={size}
         opacity={opacity}
       />

@@ -155,7 +155,9 @@ function Situation({ state, onAgain }: { state: WatchState | null; onAgain: () =
       return (
         <Notice tone="calm" icon="clock" live>
           <p>
-            <Trans>Waiting for the policy. The machine is busy; the games wait meanwhile.</Trans>
+            <Trans>
+              Waiting for the next decision. The machine is busy; the games wait meanwhile.
+            </Trans>
           </p>
         </Notice>
       );

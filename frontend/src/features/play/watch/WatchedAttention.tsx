@@ -12,7 +12,7 @@ const NOTHING = "nothing";
 const options = () =>
   [
     { id: NOTHING, name: t`Picture only` },
-    { id: "policy", name: t`What each policy looks at` },
+    { id: "policy", name: t`What imitator and clone look at` },
     { id: "reward", name: t`What the reward looks at` },
   ] as const;
 

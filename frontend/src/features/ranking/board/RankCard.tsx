@@ -158,7 +158,7 @@ function Facts({
 /** Where a borrowed game comes from: a run whose policy played it, or another behaviour. */
 function Origin({ recording: { run_id: runId, behaviour_name: name } }: { recording: Recording }) {
   const title = runId
-    ? t`A game of a run’s policy, borrowed for this ranking.`
+    ? t`A game of a run’s imitator or clone, borrowed for this ranking.`
     : t`A game of another behaviour, borrowed for this ranking.`;
   return (
     <Badge icon="tray" title={title}>

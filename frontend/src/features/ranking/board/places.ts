@@ -5,7 +5,15 @@
 
 import { plural, t } from "@lingui/core/macro";
 
-import { type Place, tierOf, type Tiers } from "@/features/ranking/order/order";
+import {
+  movedBetween,
+  type Place,
+  sameOrder,
+  tierOf,
+  type Tiers,
+  turnRound,
+} from "@/features/ranking/order/order";
+import type { Stepped } from "@/features/ranking/order/saver";
 
 export const TRAY = "tray";
 
@@ -65,4 +73,30 @@ export function describePosition(tiers: Tiers, id: number): string {
   return others === 0
     ? t`tier ${tier} of ${of}, alone`
     : t`tier ${tier} of ${of}, tied with ${others}`;
+}
+
+/** The most recordings that an announcement names. */
+const MOST_NAMED = 3;
+
+/** Describes what an undo or redo changed, for announcements. */
+export function describeStep(
+  step: "undo" | "redo",
+  { from, to }: Stepped,
+  nameOf: (id: number) => string,
+): string {
+  const done = step === "undo" ? t`Undone.` : t`Redone.`;
+  return `${done} ${describeChange(from, to, nameOf)}`.trim();
+}
+
+function describeChange(from: Tiers, to: Tiers, nameOf: (id: number) => string): string {
+  // The reverse of two tiers is also one recording that moved.
+  if (from.length > 2 && sameOrder(turnRound(from), to)) return t`The order is reversed.`;
+  const moved = [...movedBetween(from, to)];
+  if (moved.length > MOST_NAMED) {
+    return plural(moved.length, {
+      one: "# recording has another place.",
+      other: "# recordings have other places.",
+    });
+  }
+  return moved.map((id) => `${nameOf(id)}: ${describePosition(to, id)}.`).join(" ");
 }

@@ -27,6 +27,12 @@ export interface SaverState {
   readonly nReplaced: number;
 }
 
+/** The orders before and after an undo or redo. */
+export interface Stepped {
+  readonly from: Tiers;
+  readonly to: Tiers;
+}
+
 export interface RankingBackend {
   save(baseRevision: number, tiers: Tiers): Promise<Revision>;
   step(baseRevision: number, step: "undo" | "redo"): Promise<Revision>;
@@ -40,7 +46,7 @@ export class RankingSaver {
   private readonly listeners = new Set<() => void>();
   /** Orders not saved yet, newest last. */
   private pending: Tiers[] = [];
-  private work: Promise<void> | null = null;
+  private work: Promise<unknown> | null = null;
   private holding = false;
   /** The newest revision received while the order shown is held. */
   private received: Revision | null = null;
@@ -104,17 +110,21 @@ export class RankingSaver {
     this.run();
   }
 
-  /** Undoes or redoes the last change, after saving what is pending. */
-  async step(step: "undo" | "redo"): Promise<void> {
+  /**
+   * Undoes or redoes the last change, after saving what is pending. Returns what that changed; null
+   * if nothing was undone or redone.
+   */
+  async step(step: "undo" | "redo"): Promise<Stepped | null> {
     while (this.work) await this.work;
     const { conflict, saved } = this.state;
-    if (conflict || this.pending.length > 0) return;
-    if (!(step === "undo" ? saved.can_undo : saved.can_redo)) return;
-    this.work = this.saveStep(step).finally(() => {
+    if (conflict || this.pending.length > 0) return null;
+    if (!(step === "undo" ? saved.can_undo : saved.can_redo)) return null;
+    const work = this.saveStep(step).finally(() => {
       this.work = null;
       if (this.pending.length > 0 && !this.state.conflict) this.run();
     });
-    await this.work;
+    this.work = work;
+    return work;
   }
 
   /** Takes over the server's ranking, unless a save is pending. */
@@ -179,12 +189,15 @@ export class RankingSaver {
     this.update({ saving: false });
   }
 
-  private async saveStep(step: "undo" | "redo"): Promise<void> {
+  private async saveStep(step: "undo" | "redo"): Promise<Stepped | null> {
+    const from = this.state.saved.tiers;
+    let stepped: Stepped | null = null;
     this.update({ saving: true, error: null });
     try {
       const saved = await this.backend.step(this.state.saved.revision, step);
       if (this.pending.length > 0) this.update({ saved });
       else this.replace(saved, "here");
+      stepped = { from, to: saved.tiers };
     } catch (error) {
       const conflict = this.backend.conflictOf(error);
       // No local change is lost, so show the current revision.
@@ -192,6 +205,7 @@ export class RankingSaver {
       else this.refused(error);
     }
     this.update({ saving: false });
+    return stepped;
   }
 
   private refused(error: unknown): void {

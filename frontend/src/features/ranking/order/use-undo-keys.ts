@@ -2,10 +2,8 @@ import { useEffect } from "react";
 
 import { ofSigns } from "@/lib/browser/pressed-keys";
 
-import type { RankingSaver } from "./saver";
-
 /** Ctrl+Z undoes, Ctrl+Shift+Z or Ctrl+Y redoes, while that is enabled. */
-export function useUndoKeys(saver: RankingSaver, enabled: boolean): void {
+export function useUndoKeys(onStep: (step: "undo" | "redo") => void, enabled: boolean): void {
   useEffect(() => {
     if (!enabled) return undefined;
     const down = (event: KeyboardEvent) => {
@@ -14,9 +12,9 @@ export function useUndoKeys(saver: RankingSaver, enabled: boolean): void {
       const step = ofSigns({ z: event.shiftKey ? "redo" : "undo", y: "redo" } as const, event);
       if (!step) return;
       event.preventDefault();
-      void saver.step(step);
+      onStep(step);
     };
     window.addEventListener("keydown", down);
     return () => window.removeEventListener("keydown", down);
-  }, [saver, enabled]);
+  }, [onStep, enabled]);
 }

@@ -48,7 +48,7 @@ function Memory({ playback, course }: { playback: Playback; course: RecordingCou
       <p className={styles.hint}>
         <Trans>
           {bytes.length} bytes at frame {frame}, in hexadecimal. Those that changed in this frame
-          are underlined. Rewards and policies see screens alone.
+          are underlined. Reward, imitator and clone see screens alone.
         </Trans>
       </p>
       <div className={styles.scroll}>

@@ -18,7 +18,7 @@ const sourceNames = () =>
   ({
     person: t`A person`,
     scripted: t`The scripted player`,
-    policy: t`A policy`,
+    policy: t`Imitator or clone`,
     varied: t`Varied play`,
   }) as const;
 const verifiedNames = () => ({ yes: t`Verified`, no: t`Not verified` }) as const;

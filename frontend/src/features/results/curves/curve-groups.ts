@@ -110,7 +110,7 @@ export const plan = (): readonly GroupPlan[] => [
         format: measured,
       },
       {
-        title: t`Policy change per update (KL divergence)`,
+        title: t`Change of its play per update (KL divergence)`,
         curves: [{ key: "kl", name: t`KL` }],
         format: measured,
       },

@@ -8,12 +8,16 @@ import { GamePicture, LOOPS } from "@/components/recording/GamePicture";
 import type { Watched } from "@/features/results/watched";
 import { useGame } from "@/games/game";
 import { describeEnd, describeResult } from "@/games/outcomes";
+import { useMedia } from "@/lib/browser/use-media";
 import { inSentence, NONE } from "@/lib/format";
 import { strayWords, takenCells } from "@/lib/game/items";
 import { playedBy, type Actor, actorNames } from "@/lib/actors";
 
 import { AddToRanking } from "./AddToRanking";
 import styles from "./Comparison.module.css";
+
+/** A phone, where each start is a card: see Comparison.module.css. */
+const NARROW = "(max-width: 48rem)";
 
 interface ComparisonProps {
   results: RunResults;
@@ -24,7 +28,17 @@ interface ComparisonProps {
 /** Compares the games of imitator and clone, start by start, below the best demonstration. */
 export function Comparison({ results, behaviour, onWatch }: ComparisonProps) {
   const { comparison, further_comparison: further, best_demonstration: best } = results;
-  const shared = { behaviour, onWatch };
+  const narrow = useMedia(NARROW);
+  // Without targets, nothing decides between two games.
+  const decided = [...comparison, ...further].some(({ winner }) => winner !== null);
+  const shared = { behaviour, decided, onWatch };
+  const starts = comparison.length + further.length;
+  const first = (
+    <StartsTable rows={comparison} label={t`Games from the first starts`} {...shared} />
+  );
+  const others = further.length > 0 && (
+    <StartsTable rows={further} label={t`Games from further starts`} {...shared} />
+  );
   return (
     <>
       {behaviour.target && (
@@ -51,17 +65,36 @@ export function Comparison({ results, behaviour, onWatch }: ComparisonProps) {
           <p>
             <Trans>For comparison: the best demonstration, one game from a start of its own.</Trans>
           </p>
-          <GameCell actor={playedBy(best.source)} best recording={best} from="" {...shared} />
+          <GameCell
+            actor={playedBy(best.source)}
+            best
+            recording={best}
+            from=""
+            behaviour={behaviour}
+            onWatch={onWatch}
+          />
         </div>
       )}
-      <StartsTable rows={comparison} label={t`Games from the first starts`} {...shared} />
-      {further.length > 0 && (
+      {narrow ? (
         <details className={styles.more}>
           <summary>
-            {plural(further.length, { one: "# further start", other: "# further starts" })}
+            {plural(starts, { one: "Games from # start", other: "Games from # starts" })}
           </summary>
-          <StartsTable rows={further} label={t`Games from further starts`} {...shared} />
+          {first}
+          {others}
         </details>
+      ) : (
+        <>
+          {first}
+          {others && (
+            <details className={styles.more}>
+              <summary>
+                {plural(further.length, { one: "# further start", other: "# further starts" })}
+              </summary>
+              {others}
+            </details>
+          )}
+        </>
       )}
     </>
   );
@@ -87,10 +120,12 @@ interface StartsTableProps {
   rows: readonly ComparisonRow[];
   label: string;
   behaviour: Behaviour;
+  /** Whether any game is known to be better than another, and so has a column. */
+  decided: boolean;
   onWatch: (watched: Watched) => void;
 }
 
-function StartsTable({ rows, label, behaviour, onWatch }: StartsTableProps) {
+function StartsTable({ rows, label, behaviour, decided, onWatch }: StartsTableProps) {
   return (
     <table className={styles.table} aria-label={label}>
       <thead>
@@ -104,9 +139,11 @@ function StartsTable({ rows, label, behaviour, onWatch }: StartsTableProps) {
           <th scope="col">
             <ActorMark actor="clone" />
           </th>
-          <th scope="col">
-            <Trans>Imitator against clone</Trans>
-          </th>
+          {decided && (
+            <th scope="col">
+              <Trans>Imitator against clone</Trans>
+            </th>
+          )}
         </tr>
       </thead>
       <tbody>
@@ -129,12 +166,14 @@ function StartsTable({ rows, label, behaviour, onWatch }: StartsTableProps) {
               <td>
                 <GameCell actor="clone" recording={row.clone?.recording} {...cells} />
               </td>
-              <td className={styles.winner}>
-                <span className={styles.only}>
-                  <Trans>Imitator against clone</Trans>
-                </span>
-                <Winner winner={row.winner} />
-              </td>
+              {decided && (
+                <td className={styles.winner}>
+                  <span className={styles.only}>
+                    <Trans>Imitator against clone</Trans>
+                  </span>
+                  <Winner winner={row.winner} />
+                </td>
+              )}
             </tr>
           );
         })}

@@ -15,13 +15,13 @@ const otherSelections = () =>
     {
       selection: "sampled",
       title: t`With sampled actions`,
-      note: t`Each policy samples its actions from its distribution.`,
+      note: t`Imitator and clone sample their actions from their distributions.`,
       label: t`Imitator and clone, with sampled actions`,
     },
     {
       selection: "sticky",
       title: t`With sticky actions`,
-      note: t`At every frame, the last action is repeated with probability 25%: a test of whether the policy recovers.`,
+      note: t`At every frame, the last action is repeated with probability 25%: a test of whether they recover.`,
       label: t`Imitator and clone, with sticky actions`,
     },
   ] as const;

@@ -65,7 +65,14 @@ export function RunActions({ run, behaviour }: { run: Run; behaviour: Behaviour 
         </Button>
       )}
       {run.status === "done" && (
-        <Button icon="upload" disabled={share.isPending} onClick={() => share.mutate("page.html")}>
+        <Button
+          icon="upload"
+          // Disabled, it would lose the focus.
+          aria-disabled={share.isPending}
+          onClick={() => {
+            if (!share.isPending) share.mutate("page.html");
+          }}
+        >
           {share.isPending ? t`Making the page…` : t`Share`}
         </Button>
       )}

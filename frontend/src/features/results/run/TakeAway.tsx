@@ -2,6 +2,7 @@ import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 
 import { messageOf } from "@/api/client";
+import type { TakenAway } from "@/api/runs";
 import type { Behaviour, Run } from "@/api/types";
 import { Button } from "@/components/controls/Button";
 import { Notice } from "@/components/feedback/States";
@@ -13,6 +14,13 @@ import styles from "./TakeAway.module.css";
 export function TakeAway({ run, behaviour }: { run: Run; behaviour: Behaviour }) {
   const { mutate, isPending, variables, error } = useTakingAway(run, behaviour);
   const making = isPending ? variables : null;
+  const save = (file: TakenAway) => ({
+    // Disabled, the button that was pressed would lose the focus.
+    "aria-disabled": isPending,
+    onClick: () => {
+      if (!isPending) mutate(file);
+    },
+  });
   return (
     <div className={styles.takeAway}>
       <p>
@@ -23,21 +31,21 @@ export function TakeAway({ run, behaviour }: { run: Run; behaviour: Behaviour })
         </Trans>
       </p>
       <div className={styles.buttons}>
-        <Button icon="upload" disabled={isPending} onClick={() => mutate("page.html")}>
+        <Button icon="upload" {...save("page.html")}>
           {making === "page.html" ? t`Making the page…` : t`One page to send`}
         </Button>
-        <Button icon="download" disabled={isPending} onClick={() => mutate("page.png")}>
+        <Button icon="download" {...save("page.png")}>
           {making === "page.png" ? t`Making the poster…` : t`Its poster`}
         </Button>
       </div>
       <p>
         <Trans>
-          One zip with a report that opens anywhere, the policies and the reward as files that load
+          One zip with a report that opens anywhere, imitator, clone and reward as files that load
           without Tril, all games, curves and hyperparameters. <code>tril runs import</code> reads
           it again, on any machine.
         </Trans>
       </p>
-      <Button icon="download" disabled={isPending} onClick={() => mutate("archive.zip")}>
+      <Button icon="download" {...save("archive.zip")}>
         {making === "archive.zip" ? t`Making the zip…` : t`Everything as a zip`}
       </Button>
       <p className={styles.hint} role="status">

@@ -57,11 +57,11 @@ describe("the page that watches", () => {
     tell(WATCH_HELLO);
     tell({ type: "playing" });
     const choice = screen.getByRole("combobox", { name: "Over the picture" });
-    await userEvent.selectOptions(choice, "What each policy looks at");
+    await userEvent.selectOptions(choice, "What imitator and clone look at");
     const shares = btoa(String.fromCharCode(...new Uint8Array(84 * 84).fill(255)));
     const map = { type: "attention", lane: 0, frame: 96, most: 0.25, action: 3, shares };
     tell(map);
-    expect(screen.getByRole("img", { name: "What the policy looks at" })).toBeVisible();
+    expect(screen.getByRole("img", { name: "What the imitator looks at" })).toBeVisible();
     expect(screen.getByText("up to 0.25 logits")).toBeVisible();
     await userEvent.selectOptions(choice, "What the reward looks at");
     expect(screen.queryByRole("img", { name: /looks at/ })).toBeNull();
@@ -126,7 +126,7 @@ describe("the page that watches", () => {
   it("watches another player, and one more beside it", async () => {
     watch();
     await userEvent.selectOptions(
-      screen.getByRole("combobox", { name: "Player of game 1" }),
+      screen.getByRole("combobox", { name: "Who plays game 1" }),
       "Clone, greedy",
     );
     await userEvent.click(screen.getByRole("button", { name: "Add another beside it" }));
@@ -167,7 +167,7 @@ describe("the page that watches", () => {
   it.each([
     [{ type: "paused", why: "The inference process is not running." }, /not running/],
     [{ type: "refused", why: "This training has no imitator yet." }, /no imitator yet/],
-    [{ type: "waiting" }, /Waiting for the policy/],
+    [{ type: "waiting" }, /Waiting for the next decision/],
   ])("says what keeps it from playing: %j", (message, words) => {
     watch();
     tell(message);

@@ -4,6 +4,7 @@ import { describe, expect, it } from "vitest";
 import {
   allPlaces,
   describePlace,
+  describeStep,
   findPlace,
   gapPlace,
   tierPlace,
@@ -31,5 +32,28 @@ describe("the places of a board", () => {
     expect(findPlace(gapPlace(), [[1], [3]])).toEqual({ kind: "gap", before: 2 });
     expect(findPlace(place, [[1], [2]])).toBeNull();
     expect(describePlace(place, [[1], [2]])).toBe("a place that is gone");
+  });
+});
+
+describe("what an undo or redo changed", () => {
+  const nameOf = (id: number) => `Recording ${id}`;
+
+  it("is told by the places of the few games that moved", () => {
+    expect(describeStep("undo", { from: [[4], [1], [2], [3]], to: [[1], [2], [3]] }, nameOf)).toBe(
+      "Undone. Recording 4: unranked.",
+    );
+    expect(describeStep("redo", { from: [[1], [2], [3]], to: [[1, 3], [2]] }, nameOf)).toBe(
+      "Redone. Recording 3: tier 1 of 2, tied with 1.",
+    );
+  });
+
+  it("is counted where many moved, and told of the whole order where it was reversed", () => {
+    const five = [[1], [2], [3], [4], [5]];
+    expect(describeStep("undo", { from: five, to: [] }, nameOf)).toBe(
+      "Undone. 5 recordings have other places.",
+    );
+    expect(describeStep("undo", { from: five, to: five.toReversed() }, nameOf)).toBe(
+      "Undone. The order is reversed.",
+    );
   });
 });

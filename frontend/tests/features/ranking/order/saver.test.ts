@@ -251,7 +251,7 @@ describe("undo", () => {
     const undone = saver.step("undo");
     await server.letOut();
     await server.letOut();
-    await undone;
+    expect(await undone).toEqual({ from: [[1, 2]], to: [[2], [1]] });
     expect(saver.snapshot()).toMatchObject({ tiers: [[2], [1]], saved: { revision: 3 } });
   });
 
@@ -259,8 +259,8 @@ describe("undo", () => {
     const server = new Server();
     const standing = { ...server.standing, can_undo: false };
     const saver = new RankingSaver(standing, server.backend);
-    await saver.step("undo");
-    await saver.step("redo");
+    expect(await saver.step("undo")).toBeNull();
+    expect(await saver.step("redo")).toBeNull();
     expect(saver.snapshot()).toMatchObject({ saving: false, error: null, tiers: standing.tiers });
   });
 
@@ -269,7 +269,7 @@ describe("undo", () => {
     server.standing = revision(7, [[1, 2]]);
     const undone = saver.step("undo");
     await server.letOut();
-    await undone;
+    expect(await undone).toBeNull();
     expect(saver.snapshot()).toMatchObject({ tiers: [[1, 2]], conflict: null, saving: false });
   });
 });
