@@ -30,14 +30,14 @@ class Stage(StrEnum):
 
 _WORDS = {
     Stage.DEMONSTRATIONS: ("Demonstrations", "A scripted player makes the example games."),
-    Stage.TRAJECTORIES: ("Replay", "Each ranked recording is replayed as an agent sees it."),
+    Stage.TRAJECTORIES: ("Replay", "Each ranked recording is replayed as an imitator sees it."),
     Stage.REWARD: ("Reward model", "Tril learns from the order what makes better games better."),
     Stage.CHECK: ("Check", "Does the learned reward agree with the ranking?"),
     Stage.CLONE: (
         "Clone",
         "A baseline copies the perfect recordings or, without any, the best ranked ones.",
     ),
-    Stage.IMITATOR: ("Imitator", "An agent plays to earn the learned reward."),
+    Stage.IMITATOR: ("Imitator", "The imitator learns to earn the reward."),
     Stage.EVALUATION: ("Evaluation", "Both play from starts they were not trained on."),
     Stage.ATTENTION: ("Attention", "What on the screen does the reward model look at?"),
 }

@@ -34,9 +34,6 @@ MOST_AS_GOOD = 5
 Summaries = npt.NDArray[np.float32]
 """Facts of games, float32 (n_games, n_facts), as `Vocabulary.summary` returns them."""
 
-BEST_EFFORT_WEIGHT = 0.25
-"""How much it counts that a best effort is preferred to a varied game: people mean more than what
-makes their games differ from random play."""
 N_SHAPED = 300
 """Statements of one weight that are looked at closely, of thousands."""
 N_COMPARED = 20
@@ -123,10 +120,7 @@ def understand(
         NothingPossible: The answers exclude all statements.
     """
     games = _Games.of(words, summaries, best, answers)
-    conditions, best_choices = games.conditions, games.best_choices(BEST_EFFORT_WEIGHT)
-    choices = games.choices(tiers)
-    if best_choices is not None:
-        choices = choices + best_choices
+    conditions, choices = games.conditions, games.choices_with_best(tiers)
     log_prior = conditions.log_prior(words)
     parts = [*games.free_parts(log_prior), *games.shaped_parts(log_prior, choices)]
     posterior = infer(parts, choices, conditions.allow, conditions.groups)
@@ -146,8 +140,9 @@ def shuffles_as_good(
     surpasses all shuffled ones, whatever the games are like. The evidence alone does not tell, as
     games that are alike in many ways, such as in how long they last, make many orders probable.
     The statistic is the sum of three log evidences, each standardised over the orders: of the order
-    alone, of the order given the best efforts at full weight, and of statements with one weight,
-    where best efforts count as in ``understand``; see docs/decisions/26-statements.md.
+    alone, of the order given that the best efforts are preferred to varied games, and of statements
+    with one weight, where best efforts count as in ``understand``; see
+    docs/decisions/26-statements.md.
 
     Args:
         words: As in ``understand``.
@@ -169,17 +164,15 @@ def shuffles_as_good(
         raise NothingPossible(NOTHING_LEFT)
 
     shaped = games.shaped(log_prior)
-    best_choices = games.best_choices(BEST_EFFORT_WEIGHT)
     # Without best efforts the two are equal.
     free = [
         Evidence(games.values, words.columns, log_prior, known)
-        for known in (None, games.best_choices(1.0))
+        for known in (None, games.best_to_varied())
     ]
 
     def log_evidences(order: Tiers) -> list[float]:
         choices = games.choices(order)
-        with_best = choices if best_choices is None else choices + best_choices
-        one_weight = float(np.logaddexp.reduce(shaped.log_joint(with_best)))
+        one_weight = float(np.logaddexp.reduce(shaped.log_joint(games.choices_with_best(order))))
         return [*(one.log_evidence(choices) for one in free), one_weight]
 
     # The same games in the same order always give the same number.
@@ -352,10 +345,19 @@ class _Games:
             raise Invalid("Expected at least two tiers: rank one game above another.")
         return Choices.of_tiers(tiers, len(self.values))
 
-    def best_choices(self, weight: float) -> Choices | None:
-        """Return the choices of the best efforts against varied games; None without any."""
+    def choices_with_best(self, tiers: Tiers) -> Choices:
+        """Return the choices of an order, and of the best efforts before its worse half."""
+        choices = self.choices(tiers)
+        ranked = [game for tier in tiers for game in tier]
+        worse = [game for game in ranked[(len(ranked) + 1) // 2 :] if game not in self.best]
+        if not len(self.best) or not worse:
+            return choices
+        return choices + Choices.of_tiers([list(self.best), worse], len(self.values))
+
+    def best_to_varied(self) -> Choices | None:
+        """Return the choices of the best efforts before varied games; None without any."""
         if not len(self.best):
             return None
         n_rows = len(self.values)
         tiers = [list(self.best), list(range(self.n_games, n_rows))]
-        return Choices.of_tiers(tiers, n_rows, weight)
+        return Choices.of_tiers(tiers, n_rows)

@@ -91,6 +91,24 @@ def test_an_order_by_place_is_understood_and_told(words: Vocabulary) -> None:
     assert sum(one.probability for one in told) <= 1.0001
 
 
+def test_best_efforts_are_better_than_the_worse_half_of_an_order(words: Vocabulary) -> None:
+    # The better half is further to the left and lasts longer; the best efforts last shortest.
+    better = [played(100 + place, 90 - 5 * place, centre=30.0) for place in range(3)]
+    worse = [played(110 + place, 60 - 5 * place, centre=120.0) for place in range(3)]
+    best = [played(120 + place, 45, centre=30.0) for place in range(3)]
+    summaries = np.stack([words.summary(words.facts(one)) for one in (*better, *worse, *best)])
+    tiers = [[place] for place in range(6)]
+
+    def share_left(rows: list[int]) -> float:
+        """Return the probability of what the first sentence about the left has."""
+        told = tell(words, understand(words, summaries, tiers, rows).posterior, game_named("pong"))
+        return sum(one.probability for one in told if "left" in one.sentence)
+
+    assert share_left([6, 7, 8]) > share_left([])
+    # One that is ranked among the worse is not preferred to itself.
+    assert understand(words, summaries, tiers[:2], best=[1]).posterior.statements
+
+
 def test_few_orders_that_are_drawn_blindly_surpass_chance(words: Vocabulary) -> None:
     games = [played(100 + place, centre=18.0 * place + 12) for place in range(8)]
     summaries = np.stack([words.summary(words.facts(one)) for one in games])
