@@ -45,6 +45,9 @@ def subject_of(words: Vocabulary, group: Group) -> str:
     if group.source == "thing":
         kinds = " ~ ".join(_kind(words.kinds[index]) for index in group.subject)
         return f"thing {kinds} {group.aspect}"
+    if group.source == "formation":
+        # Of one formation and of one thing that is steered.
+        return f"formation {group.aspect}"
     return " ".join([group.source, *map(str, group.subject), group.aspect])
 
 

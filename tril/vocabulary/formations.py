@@ -49,9 +49,15 @@ MARGIN_PX = 4
 MIN_MOVED_PX = 8
 """From where it begins, for a formation to have moved."""
 MOST_STAYING = 0.5
-"""Of the games in which a formation moves: what stays behind in more of them does not belong."""
+"""Share of the games in which a formation moves: what is not where it should be in more of them,
+when it has moved, does not belong to it."""
 MIN_GAMES_SHARE = 0.2
-"""Of the varied games, those in which a formation moves, and in which something of it is gone."""
+"""Of the games that are followed, those in which a formation moves, and in which some of it is
+gone."""
+NEW_WAVE_SHARE = 0.8
+"""Of the pixels of all items where they begin, when most were gone: the next wave is there."""
+OFFSET_PX = 2
+"""To which the offset to the nearest item is rounded: items are a pixel off their lines."""
 MIN_FOUND = 0.9
 """Of the steps of varied play in which a formation is found."""
 
@@ -181,9 +187,10 @@ def alike_things(beginning: Screen) -> Formation | None:
         beginning: Colours of the screen at the beginning, uint8 (height, width).
     """
     is_drawn = (beginning != np.bincount(beginning.ravel()).argmax()).view(np.uint8)
-    # Joined: (height, width), 1 within a pixel of what is drawn.
-    joined = cv2.dilate(is_drawn, np.ones((3, 3), np.uint8))
-    _, labels, stats, _ = cv2.connectedComponentsWithStats(joined, connectivity=8)
+    # Joined: (height + 2, width + 2), 1 within a pixel of what is drawn.
+    joined = cv2.dilate(np.pad(is_drawn, 1), np.ones((3, 3), np.uint8))
+    _, padded, stats, _ = cv2.connectedComponentsWithStats(joined, connectivity=8)
+    labels = padded[1:-1, 1:-1]
     # Component 0 is what is not drawn; the sizes are those of what is joined.
     sizes = (stats[:, [cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT]] - 2).clip(1)
     fits = np.all((sizes >= MIN_SIZE_PX) & (sizes <= MOST_SIZE_PX), axis=1)
@@ -219,6 +226,12 @@ class Followed:
     shifts: npt.NDArray[np.int64]
     is_found: Mask
 
+    @property
+    def are_there(self) -> Mask:
+        """Which items are seen in each step, bool (n_steps, n_items)."""
+        there: Mask = ~self.missing & self.is_found[:, None]
+        return there
+
     def offset_to_nearest(
         self, x: npt.NDArray[np.float32], y: npt.NDArray[np.float32]
     ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
@@ -232,10 +245,11 @@ class Followed:
         at = self.formation.centres[None] + self.shifts[:, None]
         offsets = at - np.stack([x, y], 1)[:, None]
         distance = np.hypot(offsets[..., 0], offsets[..., 1])
-        distance = np.where(self.missing | np.isnan(distance), np.inf, distance)
+        distance = np.where(self.are_there & ~np.isnan(distance), distance, np.inf)
         nearest = distance.argmin(1)
         steps = np.arange(len(offsets))
-        result = offsets[steps, nearest].astype(np.float32)
+        offset = OFFSET_PX * np.rint(offsets[steps, nearest] / OFFSET_PX)
+        result = offset.astype(np.float32)
         result[~np.isfinite(distance[steps, nearest])] = np.nan
         return result[:, 0], result[:, 1]
 
@@ -258,18 +272,23 @@ class Follower:
     def look(self, screen: Screen) -> None:
         """Look at the screen after a step, uint8 (height, width)."""
         left = self._missing_for < LASTING_STEPS
-        if not left.any():
-            # The next wave begins where the first did.
-            left[:] = True
-            self._shift = np.zeros(2, np.int64)
         pixels, areas = self._formation.pixels, self._formation.areas
+        if 2 * left.sum() < len(left):
+            begin = np.zeros((1, 2), np.int64)
+            if pixels.seen(screen, begin).mean() >= NEW_WAVE_SHARE or not left.any():
+                # The next wave begins where the first did.
+                left[:] = True
+                self._shift = begin[0]
         shift = self._best_shift(screen, pixels.some(left[pixels.item]))
         n_seen = np.bincount(pixels.item, pixels.seen(screen, shift[None])[0], minlength=len(left))
         missing: Mask = n_seen < SEEN_SHARE * areas
         n_lost = int((missing & left).sum())
-        is_found = n_lost <= max(MOST_AT_ONCE * left.sum(), 2)
+        is_found = n_lost <= max(MOST_AT_ONCE * left.sum(), 1)
         if is_found:
             self._shift = shift
+            if self._missing:
+                # What walks off the screen is not hit.
+                missing = np.where(self._is_outside(screen), self._missing[-1], missing)
             self._missing_for = np.where(missing, self._missing_for + 1, 0)
         elif self._missing:
             missing = self._missing[-1]
@@ -306,6 +325,14 @@ class Follower:
             np.array(self._shifts, np.int64).reshape(n_steps, 2),
             np.array(self._is_found, np.bool_),
         )
+
+    def _is_outside(self, screen: Screen) -> Mask:
+        """Return which items are not wholly on the screen, bool (n_items,)."""
+        left, top, right, bottom = self._formation.boxes.T
+        x, y = self._shift.tolist()
+        height, width = screen.shape
+        outside: Mask = (left + x < 0) | (top + y < 0) | (right + x > width) | (bottom + y > height)
+        return outside
 
     def _best_shift(self, screen: Screen, pixels: Pixels) -> Shift:
         """Return where the formation is: where most of some pixels are seen."""
@@ -346,12 +373,13 @@ def moving_formation(candidate: Formation, games: Sequence[Followed]) -> Formati
 
 
 def without_formation(
-    background: Screen, formation: Formation, games: Sequence[Followed]
+    background: Screen, beginning: Screen, formation: Formation, games: Sequence[Followed]
 ) -> Screen:
     """Return a background without the things of a formation that rarely moves away.
 
     Args:
         background: Most frequent colour of each pixel, uint8 (height, width).
+        beginning: The same of the first steps of a game.
         formation: The formation.
         games: Where it is in varied games.
     """
@@ -361,8 +389,11 @@ def without_formation(
     rows = slice(max(boxes[:, 1].min() + top - 2, 0), boxes[:, 3].max() + bottom + 2)
     columns = slice(max(boxes[:, 0].min() + left - 2, 0), boxes[:, 2].max() + right + 2)
     cleared: Screen = background.copy()
+    # What stands still in the formation's colours stays.
+    is_still = (background == beginning) & (formation.items == 0)
     part = cleared[rows, columns]
-    part[formation.has_colour[part]] = np.bincount(part.ravel()).argmax()
+    own = formation.has_colour[part] & ~is_still[rows, columns]
+    part[own] = np.bincount(part.ravel()).argmax()
     return cleared
 
 

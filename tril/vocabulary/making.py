@@ -99,7 +99,7 @@ def _scene(
     formation = moving_formation(candidate, games)
     if formation is None:
         return Scene(background, beginning)
-    return Scene(without_formation(background, formation, games), beginning, formation)
+    return Scene(without_formation(background, beginning, formation, games), beginning, formation)
 
 
 def vocabulary_of(data: Path, game: Game, progress: Progress | None = None) -> Vocabulary:

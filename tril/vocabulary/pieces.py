@@ -119,7 +119,7 @@ class Gone:
     """What of the pieces, or of the items of a formation, is gone in a game.
 
     Attributes:
-        is_gone: Which cells, or items, are in each step, bool (n_steps, n_places).
+        is_gone: Which cells, or items, are gone in each step, bool (n_steps, n_places).
         x: Where each cell is in pixels, or the column of each item from 0, int64 (n_places,).
         y: The same, downwards.
     """

@@ -8,7 +8,7 @@ from tril.games.base import Game
 from tril.vocabulary.answers import subject_of
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.groups import Group
-from tril.vocabulary.sentences import GONE, kind_name, kind_of
+from tril.vocabulary.sentences import GONE, kind_name, kind_of, one_name
 
 _OF_THING = {
     "x": "{thing} further to the left or right",
@@ -77,7 +77,7 @@ def _open_sentence(words: Vocabulary, group: Group, game: Game) -> str | None:
         if group.aspect in _OF_THING:
             return _OF_THING[group.aspect].format(thing=thing)
         player = kind_name(words, group.subject[0], game)
-        return _OF_RELATION[group.aspect].format(thing=thing, player=player)
+        return _OF_RELATION[group.aspect].format(thing=one_name(words, kind, game), player=player)
     if group.source == "button":
         return f"holding {game.controls.buttons[group.subject[0]]} more or less"
     if group.source == "time":

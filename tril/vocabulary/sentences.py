@@ -212,12 +212,12 @@ def _of_seen(words: Vocabulary, group: Group, weights: Array, game: Game) -> str
     if group.aspect in GONE:
         pieces = kind_name(words, _seen_kind(group), game)
         if group.aspect != "gone":
-            return _of_cleared(pieces, _part(words, group, weights), weights)
+            return _of_cleared(words, group, pieces, weights)
         fact = _telling_fact(words, group, weights)
         if fact == 0:
             return f"{'more' if weights[fact] > 0 else 'fewer'} {pieces} cleared"
         return f"{pieces} cleared {_amount(weights[fact])} often"
-    name = kind_name(words, _seen_kind(group), game)
+    name = one_name(words, _seen_kind(group), game)
     if group.aspect == "count":
         fact = _telling_fact(words, group, weights)
         return f"{'more' if weights[fact] > 0 else 'fewer'} of {name}"
@@ -246,9 +246,18 @@ def _of_seen(words: Vocabulary, group: Group, weights: Array, game: Game) -> str
     return f"{name} {_offset(*_bounds(group, weights), axis)} {player}"
 
 
-def _of_cleared(pieces: str, part: str, weights: Array) -> str:
+def _of_cleared(words: Vocabulary, group: Group, pieces: str, weights: Array) -> str:
     """Return where pieces are cleared, and whether they are not elsewhere."""
-    if _direction(weights) or weights.min() > -weights.max() / 2:
+    if _direction(weights):
+        return f"more {pieces} cleared {_part(words, group, weights)}"
+    unwanted = weights <= -np.abs(weights).max() / 2
+    spared = np.flatnonzero(unwanted)
+    is_inner = len(spared) > 0 and spared[0] > 0 and spared[-1] < len(weights) - 1
+    if is_inner and len(spared) == np.ptp(spared) + 1:
+        return f"fewer {pieces} cleared {_part(words, group, unwanted.astype(np.float64))}"
+    part = _part(words, group, weights)
+    good = weights > (weights.max() + weights.min()) / 2
+    if not len(spared) or not (unwanted | good).all():
         return f"more {pieces} cleared {part}"
     only = "" if part.startswith("anywhere") else "only "
     return f"{pieces} cleared {only}{part}"
@@ -369,7 +378,7 @@ def _clause(words: Vocabulary, sign: Sign, game: Game) -> str:
             return f"{pieces} are {('cleared', 'being cleared')[fact]}"
         weights = np.eye(group.n_facts)[fact]
         return f"{pieces} are cleared {_part(words, group, weights)}"
-    name = kind_name(words, _seen_kind(group), game)
+    name = one_name(words, _seen_kind(group), game)
     if group.aspect == "count":
         return f"{name} is there" if fact == 0 else f"there are more of {name}"
     if group.aspect == "comes":
@@ -434,7 +443,7 @@ def _part_of_formation(words: Vocabulary, group: Group, weights: Array) -> str:
     first = 1 if low is None else math.ceil(low) + 1
     last = n_lines if high is None else math.floor(high) + 1
     if not is_column:
-        # Rows count from the one that is nearest to the player.
+        # As the lowest is the nearest in most games.
         first, last = n_lines - last + 1, n_lines - first + 1
     numbers = f"{line} {first}" if first == last else f"{line}s {first} to {last}"
     return f"in {numbers} of {n_lines} from the {'left' if is_column else 'bottom'}"
@@ -520,6 +529,12 @@ def kind_name(words: Vocabulary, index: int, game: Game) -> str:
     look = kind.looks[0]
     width, height = round(sum(look.width) / 2), round(sum(look.height) / 2)
     return f"the {colour_name(rgb_of(look.colour, game))} thing of {width}x{height} px"
+
+
+def one_name(words: Vocabulary, index: int, game: Game) -> str:
+    """Return what a kind is called where one of it is meant: of a formation the nearest item."""
+    name = kind_name(words, index, game)
+    return f"the nearest of the {name}" if index == FORMATION else name
 
 
 def pieces_name(words: Vocabulary, game: Game) -> str:

@@ -82,7 +82,9 @@ def shapes_of(n_facts: int, is_ordered: bool, excludes: bool = False) -> Shapes:
     )
     sums = np.stack([rising, 1 - rising, *sides, *ranges], 1)
     if excludes:
-        only = 2 * np.stack([*sides, *ranges], 1) - 1
+        # Of the sides, both ways are among them.
+        parts = np.stack([*sides, *ranges, *(1 - one for one in ranges)], 1)
+        only = 2 * parts - 1
         of_only = np.full(only.shape[1], _ONLY_SHARE / only.shape[1])
         shares = np.concatenate([(1 - _ONLY_SHARE) * shares, of_only])
         sums = np.concatenate([sums, only], 1)

@@ -346,13 +346,22 @@ class _Games:
         return Choices.of_tiers(tiers, len(self.values))
 
     def choices_with_best(self, tiers: Tiers) -> Choices:
-        """Return the choices of an order, and of the best efforts before its worse half."""
+        """Return the choices of an order, and of the best efforts before its worse half.
+
+        What a ranked best effort is better than the order says already.
+        """
         choices = self.choices(tiers)
         ranked = [game for tier in tiers for game in tier]
-        worse = [game for game in ranked[(len(ranked) + 1) // 2 :] if game not in self.best]
-        if not len(self.best) or not worse:
+        best = [game for game in self.best if game not in ranked]
+        # Whole tiers, as equals are not told apart; the last one counts however large it is.
+        worse = list(tiers[-1])
+        for tier in reversed(tiers[1:-1]):
+            if len(worse) + len(tier) > len(ranked) // 2:
+                break
+            worse += tier
+        if not best:
             return choices
-        return choices + Choices.of_tiers([list(self.best), worse], len(self.values))
+        return choices + Choices.of_tiers([best, worse], len(self.values))
 
     def best_to_varied(self) -> Choices | None:
         """Return the choices of the best efforts before varied games; None without any."""

@@ -119,7 +119,7 @@ def things_of(played: Trace, words: Vocabulary) -> Things:
         parts.append(part)
     if played.followed is not None:
         followed = played.followed
-        steps, shown = np.nonzero(~followed.missing)
+        steps, shown = np.nonzero(followed.are_there)
         part = np.zeros(len(steps), THING_DTYPE)
         part["step"], part["kind"] = steps, FORMATION
         boxes = followed.formation.boxes[shown]

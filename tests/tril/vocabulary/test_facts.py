@@ -105,8 +105,11 @@ def test_best_efforts_are_better_than_the_worse_half_of_an_order(words: Vocabula
         return sum(one.probability for one in told if "left" in one.sentence)
 
     assert share_left([6, 7, 8]) > share_left([])
-    # One that is ranked among the worse is not preferred to itself.
-    assert understand(words, summaries, tiers[:2], best=[1]).posterior.statements
+    # Of a ranked one the order says what it is better than, and equals may change places.
+    plain = understand(words, summaries, [[0], [1, 2], [3]])
+    for order in ([[0], [1, 2], [3]], [[0], [2, 1], [3]]):
+        starred = understand(words, summaries, order, best=[0, 3])
+        assert starred.value(summaries) == pytest.approx(plain.value(summaries))
 
 
 def test_few_orders_that_are_drawn_blindly_surpass_chance(words: Vocabulary) -> None:
