@@ -65,7 +65,7 @@ class Telling:
         groups: Indices of the groups of the most probable one of them.
         subjects: What they are about, in order; see `subject_of`.
         kinds: Kinds of things that it is about; for a relation, that of the other thing. PIECES
-            stands for those of the still picture.
+            stands for those of the still picture, FORMATION for the things in formation.
         detail: Which bytes of memory it was read from, for experts; empty if from none.
         statement: That statement.
     """
