@@ -507,7 +507,7 @@ class Game:
         tallies: Counts read from bytes of memory, by name.
         pieces: What the pieces of its still picture are called that games clear, e.g. "dots";
             empty if they have no name.
-        formation: What the alike things are called that move together, e.g. "aliens"; empty if
+        formation: What the alike things are called that move together, e.g. "ships"; empty if
             they have no name.
         overlay: What the page may draw over its screens, if anything.
         memory_names: Names of memory addresses.

@@ -1,4 +1,4 @@
-"""Formations: things that look alike, begin in rows or columns and move together, as aliens do.
+"""Formations: things that look alike, begin in rows or columns and move together.
 
 What is gone of one is known by following where the rest is. A set of alike things that stays where
 it is, as bricks or dots, is told by `pieces`.
