@@ -97,8 +97,11 @@ class RankingOpinion(Schema):
     wanted: WantedAliens | None
 
 
+SUBJECT = r"^(thing|pieces|formation|memory|button|time) [a-z0-9:~ -]{1,90}$"
+"""See `tril.vocabulary.answers.subject_of`."""
+
 Subjects = Annotated[
-    list[Annotated[str, Field(pattern=r"^(thing|pieces|formation|memory|button|time) [a-z0-9:~ -]{1,90}$")]],
+    list[Annotated[str, Field(pattern=SUBJECT)]],
     Field(min_length=1, max_length=2),
 ]
 
