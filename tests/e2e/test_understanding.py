@@ -138,7 +138,7 @@ def test_moments_are_shown_and_what_is_pointed_at_is_meant_and_taken_back(page: 
 
     player.focus()
     page.keyboard.press("Enter")
-    expect(dialog.get_by_role("heading", name="what you steer")).to_be_focused()
+    expect(dialog.get_by_role("heading", name="the green paddle")).to_be_focused()
     sentence = "the green paddle higher up or lower down"
     dialog.get_by_role("button", name=sentence).click()
     expect(dialog).to_have_count(0)
@@ -146,7 +146,7 @@ def test_moments_are_shown_and_what_is_pointed_at_is_meant_and_taken_back(page: 
     expect(panel.get_by_text(re.compile("^You said(:| that) this is it")).first).to_be_visible()
     # Every statement is about it now, in the order's own words.
     first = panel.get_by_role("listitem").first
-    meant = r"what you steer \(green paddle\) (higher|lower|.*from the top)"
+    meant = r"the green paddle (higher|lower|.*from the top)"
     expect(first).to_contain_text(re.compile(meant))
 
     page.reload()
