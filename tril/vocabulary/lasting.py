@@ -21,3 +21,23 @@ def lasting(changed: Mask) -> Mask:
     for lag in range(1, LASTING_STEPS):
         lasts[:-lag] &= changed[lag:]
     return lasts
+
+
+def missing_for_good(missing: Mask, waves: npt.NDArray[np.int64]) -> Mask:
+    """Return where something is missing and does not come back, bool (n_steps, n_places).
+
+    What dives out of a formation and flies back to its place is not gone meanwhile.
+
+    Args:
+        missing: Where it is missing, of the same shape.
+        waves: Number of the wave of each step, int64 (n_steps,): in the next one all come back.
+    """
+    gone = np.zeros_like(missing)
+    for wave in np.unique(waves):
+        own = slice(*np.searchsorted(waves, [wave, wave + 1]))
+        are_there = lasting(~missing[own])
+        # Whether it lasts is not known, and the first of the next wave may be there already.
+        are_there[max(len(are_there) - LASTING_STEPS + 1, 0) :] = False
+        come_back = np.logical_or.accumulate(are_there[::-1])[::-1]
+        gone[own] = lasting(missing[own]) & ~come_back
+    return gone

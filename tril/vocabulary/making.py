@@ -63,8 +63,8 @@ def make_vocabulary(game: Game, progress: Progress | None = None) -> Vocabulary:
         game: The game, as its behaviour sets it.
         progress: Told after each of the games was played or looked at.
     """
-    n_games = N_GAMES
-    total = 3 * n_games
+    n_games, n_followed = N_GAMES, min(N_FOLLOWED, N_GAMES)
+    total = 3 * n_games + n_followed
 
     def report(done: int, _total: int) -> None:
         if progress:
@@ -77,11 +77,17 @@ def make_vocabulary(game: Game, progress: Progress | None = None) -> Vocabulary:
     for number, recording in enumerate(recordings, 1):
         count_background(recording, console, background, beginning)
         report(n_games + number, total)
-    scene = _scene(background.mode(), beginning.mode(), recordings[:N_FOLLOWED], console)
+    scene = _scene(
+        background.mode(),
+        beginning.mode(),
+        recordings[:n_followed],
+        console,
+        lambda done, _: report(2 * n_games + done, total),
+    )
     traces = []
     for number, recording in enumerate(recordings, 1):
         traces.append(trace(recording, console, scene))
-        report(2 * n_games + number, total)
+        report(total - n_games + number, total)
     console.close()
     return Vocabulary.of_games(
         traces, scene, len(game.controls.buttons), game.clock.max_steps, game.things
@@ -89,13 +95,20 @@ def make_vocabulary(game: Game, progress: Progress | None = None) -> Vocabulary:
 
 
 def _scene(
-    background: Screen, beginning: Screen, recordings: Sequence[Recording], console: Console
+    background: Screen,
+    beginning: Screen,
+    recordings: Sequence[Recording],
+    console: Console,
+    progress: Progress,
 ) -> Scene:
     """Return what screens have in common, with the formation that some games show, if any."""
     candidate = alike_things(beginning)
     if candidate is None:
         return Scene(background, beginning)
-    games = [follow(recording, console, candidate) for recording in recordings]
+    games = []
+    for number, recording in enumerate(recordings, 1):
+        games.append(follow(recording, console, candidate))
+        progress(number, len(recordings))
     formation = moving_formation(candidate, games)
     if formation is None:
         return Scene(background, beginning)

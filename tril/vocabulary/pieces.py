@@ -154,7 +154,7 @@ def gone_pieces(played: Trace, pieces: Mask) -> Gone:
 def gone_items(followed: Followed) -> Gone:
     """Return what of a formation is gone in a game, by column and row at the beginning."""
     columns, rows = followed.formation.lines
-    return Gone(lasting(followed.missing), columns, rows)
+    return Gone(followed.are_gone, columns, rows)
 
 
 @dataclass(frozen=True, eq=False)

@@ -198,6 +198,30 @@ def test_what_walks_off_the_screen_is_not_hit(formation: Formation) -> None:
     assert np.flatnonzero(gone_items(followed).is_gone[30]).tolist() == [7]
 
 
+def test_what_dives_and_comes_back_is_not_gone(formation: Formation) -> None:
+    follower = Follower(formation)
+    for step in range(100):
+        diving = {4} if 10 <= step < 60 else set()
+        hit = {7} if step >= 30 else set()
+        follower.look(draw(gone=diving | hit))
+    followed = follower.followed
+    assert followed.missing[40].sum() == 2
+    gone = gone_items(followed).is_gone
+    assert np.flatnonzero(gone.any(0)).tolist() == [7]
+    assert gone[:, 7].argmax() == 30
+
+
+def test_what_is_hit_does_not_come_back_with_the_next_wave(formation: Formation) -> None:
+    follower = Follower(formation)
+    for step in range(90):
+        follower.look(draw(gone=range(min(step // 4, N_ITEMS - 4))) if step < 70 else draw())
+    followed = follower.followed
+    assert np.unique(followed.waves).tolist() == [0, 1]
+    gone = gone_items(followed).is_gone
+    assert gone[:70].sum(0).tolist() == [*range(66, 22, -4), *[0] * 4]
+    assert not gone[70:].any()
+
+
 def test_things_at_the_edge_are_as_large_as_others() -> None:
     screen = np.zeros((210, 160), np.uint8)
     for left in range(0, 90, 10):
