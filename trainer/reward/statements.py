@@ -22,7 +22,7 @@ from trainer.nn.screens import channels_last_screens
 from trainer.nn.seeding import torch_seeded
 from trainer.progress import Progress
 from trainer.reward.fragment_logits import Seed
-from trainer.reward.model import RewardNetwork, Spread
+from trainer.reward.model import RewardModel, RewardNetwork, Spread
 from trainer.reward.preference_dataset import PreferenceDataset
 from tril.vocabulary.answers import Answer
 from tril.vocabulary.facts import Vocabulary
@@ -207,6 +207,25 @@ def facts_read(understanding: Understanding) -> npt.NDArray[np.int64]:
         columns = more
         total += statement.probability
     return np.array(sorted(columns), np.int64)
+
+
+def levels_of_facts(
+    model: RewardModel, understanding: Understanding, facts: npt.NDArray[np.float32]
+) -> npt.NDArray[np.float32]:
+    """Return the level of each step by the statements, which the network only reads off the screen.
+
+    Args:
+        model: The model of a network that `StatementTrainer.train` returned.
+        understanding: What it was made of.
+        facts: What holds in the steps, float32 (n_steps, n_facts).
+
+    Returns:
+        float32 (n_steps,), as `RewardModel.level` returns it.
+    """
+    read = facts_read(understanding)
+    output = facts[:, read].clip(0.0, 1.0) @ understanding.mean_coefficients()[read]
+    rewards = (output - model.offset) / model.scale
+    return model.level(rewards.astype(np.float32))
 
 
 def spread_of_statements(network: RewardNetwork, understanding: Understanding) -> Spread:

@@ -225,7 +225,7 @@ class ExampleOutcome(Stored):
 
 
 class UnderstoodShares(Stored):
-    """How much games show of what Tril understood of a ranking, by the reward model.
+    """How much games show of what Tril understood of a ranking, by the facts of their replays.
 
     1 is a whole game in which every step is as good as the best demonstrations' steps are on
     average while they last. A game that ends early earns nothing for the rest of its time.
@@ -234,11 +234,15 @@ class UnderstoodShares(Stored):
         imitator: The imitator's games, those of the headline; None if it has played none.
         clone: The clone's.
         best: The perfect demonstrations, or the best ranked ones that stand in for them.
+        read: The imitator's games by the reward network, which reads these facts off the screen and
+            is what the imitator has learned from; None if it has played none. Runs of earlier
+            versions have no figure of it, and those above are by the network.
     """
 
     imitator: Interval | None
     clone: Interval | None
     best: Interval
+    read: Interval | None = None
 
 
 class ElsewhereShares(Stored):

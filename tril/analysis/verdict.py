@@ -22,6 +22,8 @@ MOST_MET = 0.5
 SURE = 1 / 3
 """Probability of the likeliest statement below which a run counts as a guess. It is low, since the
 next statements often say nearly the same."""
+MISREAD = 0.15
+"""By how much more of a whole game than it is worth the reward network may take a game for."""
 MOST_LOST = 0.5
 """Death rate above which most games are lost."""
 FEW_LOST = 0.25
@@ -274,6 +276,18 @@ def _by_statement(
     )
     if run.is_alarmed:
         return Verdict("bad", sentence, details, _ALARMED, "teach")
+    read = understood.read
+    if read is not None and read.low > share.high and read.mean - share.mean > MISREAD:
+        # What is learned is what the network reads; see Brown et al. 2019, section 6.
+        return Verdict(
+            "fair",
+            sentence,
+            f"Its reward misreads them: by what it reads off the screen they are worth"
+            f" {_percent(read.mean)}. {details}",
+            "Rank some of its games among the others, so that the reward learns to read what they"
+            " show, and train further.",
+            "teach",
+        )
     if run.sureness is not None and run.sureness < SURE:
         return Verdict(
             "fair",

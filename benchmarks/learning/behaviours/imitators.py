@@ -54,7 +54,7 @@ from trainer.reward.preference_dataset import (
     PreferenceDataset,
 )
 from trainer.reward.reward_trainer import calibrate_reading, train_reward_model
-from trainer.reward.statements import reading_network, understanding_of
+from trainer.reward.statements import levels_of_facts, reading_network, understanding_of
 from trainer.runtime.run_data import N_VARIED
 from tril.games.base import Controls, Opening, Start
 from tril.recipes import recipe_named, with_values
@@ -293,6 +293,7 @@ class Taught:
             "steps": steps,
             **learned,
             **{player: games.figures() for player, games in judged.items()},
+            **self._read(model, dataset, judged["imitator"].games),
             "best_efforts": float(self.worth[self.best].mean()),
             "ranked_games": float(self.worth[self.ranked].mean()),
             "reward_s": round(reward_s),
@@ -300,6 +301,24 @@ class Taught:
             "seconds": round(seconds),
         }
         return figures, judged
+
+    def _read(
+        self, model: RewardModel, dataset: PreferenceDataset, games: Sequence[EvaluatedGame]
+    ) -> dict[str, Any]:
+        """Return levels of games in sum: by the facts of their replays, and read off the screen."""
+        if self.reward == "truth" or self.recipe.reward.method != "statement":
+            return {}
+        understanding = understanding_of(dataset)
+        by_facts, read = [], []
+        for one in games:
+            seen, facts = self._observed(one.recording)
+            by_facts.append(float(levels_of_facts(model, understanding, facts).sum()))
+            read.append(float(model.level(model.score(seen.observations[1:])).sum()))
+        return {
+            "level_by_facts": float(np.mean(by_facts)),
+            "level_read": float(np.mean(read)),
+            "level_correlation": float(np.corrcoef(by_facts, read)[0, 1]),
+        }
 
     def _told(self, dataset: PreferenceDataset) -> list[str]:
         if self.recipe.reward.method != "statement":

@@ -2939,7 +2939,7 @@ export interface components {
             };
         };
         /**
-         * @description How much games show of what Tril understood of a ranking, by the reward model.
+         * @description How much games show of what Tril understood of a ranking, by the facts of their replays.
          *
          *     1 is a whole game in which every step is as good as the best demonstrations' steps are on
          *     average while they last. A game that ends early earns nothing for the rest of its time.
@@ -2948,11 +2948,15 @@ export interface components {
          *         imitator: The imitator's games, those of the headline; None if it has played none.
          *         clone: The clone's.
          *         best: The perfect demonstrations, or the best ranked ones that stand in for them.
+         *         read: The imitator's games by the reward network, which reads these facts off the screen and
+         *             is what the imitator has learned from; None if it has played none. Runs of earlier
+         *             versions have no figure of it, and those above are by the network.
          */
         UnderstoodShares: {
             best: components["schemas"]["Interval"];
             clone: components["schemas"]["Interval"] | null;
             imitator: components["schemas"]["Interval"] | null;
+            read: components["schemas"]["Interval"] | null;
         };
         /** @description A statement that fits an order; ``pictures`` are those of its things, if there are any. */
         UnderstoodStatement: {

@@ -233,6 +233,16 @@ def test_a_guess_is_praised_no_further_than_it_is_sure() -> None:
     assert meant.tone == "good"
 
 
+@pytest.mark.parametrize(("read", "tone"), [(0.95, "fair"), (0.80, "good"), (0.40, "good")])
+def test_a_reward_that_misreads_the_imitators_games_is_told(read: float, tone: str) -> None:
+    understood = shares(0.70, 0.40, 0.72).model_copy(
+        update={"read": Interval(read, read - 0.02, read + 0.02, 20)}
+    )
+    said = verdict(by_statement(understood))
+    assert said.tone == tone
+    assert ("they are worth 95%" in said.details) == (tone == "fair")
+
+
 @pytest.mark.parametrize(
     ("met", "said_of_it", "tone"),
     [

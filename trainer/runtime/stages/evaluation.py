@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from trainer.policy.evaluation import EvaluatedGame, beginnings, play, stickiness
 from trainer.progress import Progress, ScaledProgress
 from trainer.reward.check import final_level
+from trainer.reward.preference_dataset import Facts
+from trainer.reward.statements import levels_of_facts, understanding_of
 from trainer.runtime.policy_games import add_game, verify_games
 from trainer.runtime.run_data import RunData
 from tril.analysis.outcome import ElsewhereShares, Headline, RunOutcome, UnderstoodShares
@@ -141,17 +144,28 @@ def understood_shares(data: RunData, games: Sequence[EvaluationRow]) -> Understo
         None where the best demonstrations' states are worth no more than a game that is over.
     """
     model, max_steps = data.reward_model, data.context.game.clock.max_steps
-    best = [
-        model.level(model.score(seen.observations[1 : max_steps + 1]))
-        for seen in data.perfect_trajectories
-    ]
+    understanding = understanding_of(data.preference_dataset)
+
+    def levels(facts: Facts) -> npt.NDArray[np.float32]:
+        return levels_of_facts(model, understanding, facts)
+
+    best = [levels(facts[:max_steps]) for facts in data.facts(data.snapshot.perfect)]
     unit = float(np.concatenate(best).mean())
     if unit <= 0:
         return None
 
     def share(policy: str) -> Interval | None:
+        rows = evaluations.headline_games(games, policy)
         shares = []
-        for row in evaluations.headline_games(games, policy):
+        for row, facts in zip(rows, data.facts([one.recording_id for one in rows]), strict=True):
+            opening = _opening_steps(data, row)
+            total = float(levels(facts[opening:max_steps]).sum())
+            shares.append(total / unit / (max_steps - opening))
+        return interval(shares) if shares else None
+
+    def share_read() -> Interval | None:
+        shares = []
+        for row in evaluations.headline_games(games, "imitator"):
             if row.predicted_return is None:
                 continue
             # R is of the steps that the policy has played.
@@ -161,9 +175,12 @@ def understood_shares(data: RunData, games: Sequence[EvaluationRow]) -> Understo
             shares.append(total / unit / (max_steps - opening))
         return interval(shares) if shares else None
 
-    of_best = [float(levels.sum()) / unit / max_steps for levels in best]
+    of_best = [float(of_game.sum()) / unit / max_steps for of_game in best]
     return UnderstoodShares(
-        imitator=share("imitator"), clone=share("clone"), best=interval(of_best)
+        imitator=share("imitator"),
+        clone=share("clone"),
+        best=interval(of_best),
+        read=share_read(),
     )
 
 
