@@ -59,7 +59,7 @@ def tasks_of(half: str, folder: Path, games: Sequence[str] = ()) -> dict[str, tu
     """Return the behaviours of a half whose games were played, by game.
 
     Args:
-        half: "development" or "report".
+        half: One of `suite.SPLITS`.
         folder: The folder of the games.
         games: Only these; all if empty.
     """

@@ -38,7 +38,7 @@ from benchmarks.learning.behaviours.games import (
     worth_of,
 )
 from benchmarks.learning.behaviours.orders import ranked_by_person
-from benchmarks.learning.behaviours.suite import EVENT_STEPS
+from benchmarks.learning.behaviours.suite import EVENT_STEPS, SPLITS
 from trainer.policy.cloning import train_clone
 from trainer.policy.evaluation import Actor, EvaluatedGame, beginnings, play
 from trainer.policy.imitation import ImitationTask
@@ -353,7 +353,7 @@ def main() -> None:
     """Teach the behaviours."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--half", choices=("development", "report"), default="development")
+    parser.add_argument("--half", choices=SPLITS, default="development")
     parser.add_argument("--games", nargs="*", default=())
     parser.add_argument("--tasks", nargs="*", default=())
     parser.add_argument("--recipe", choices=("any", "paper", "gail"), default="any")

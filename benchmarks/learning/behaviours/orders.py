@@ -23,6 +23,7 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.learning.behaviours.games import Array, PlayedGames, load_games, tasks_of
+from benchmarks.learning.behaviours.suite import SPLITS
 from tril.vocabulary.answers import Answer
 from tril.vocabulary.sentences import tell
 from tril.vocabulary.understanding import MOST_AS_GOOD, shuffles_as_good, understand
@@ -117,7 +118,7 @@ def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--half", choices=("development", "report"), default="development")
+    parser.add_argument("--half", choices=SPLITS, default="development")
     parser.add_argument("--games", nargs="*", default=())
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--told", action="store_true", help="print what is told of the first seed")

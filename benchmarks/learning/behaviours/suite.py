@@ -30,7 +30,7 @@ class Task:
         game: Name of the game.
         name: Name of the behaviour.
         worth: Its worth step by step.
-        half: "development" or "report": nothing is chosen on the latter.
+        half: "development", "report" or "fresh": nothing is chosen on the last two.
         guide: What its players see besides, who look less than a second ahead: how near a step is
             to being worth something, -1 to 0.
         counts_events: Whether its worth counts events of `EVENT_STEPS` each, instead of steps.
@@ -171,7 +171,8 @@ def _near(x: tuple[int, int], y: tuple[int, int]) -> Worth:
     return lambda memory, held: (_apart(*x)(memory, held) + _apart(*y)(memory, held)) / 2
 
 
-DEVELOPMENT, REPORT = "development", "report"
+SPLITS = DEVELOPMENT, REPORT, FRESH = ("development", "report", "fresh")
+"""Fresh are games that were added when everything had been chosen."""
 _BREAKOUT_LEFT = [
     (register + row, mask)
     for row in range(6)
@@ -239,6 +240,12 @@ TASKS: tuple[Task, ...] = (
     Task("riverraid", "never shoot", _no_button(0), REPORT),
     _tia_place("demon_attack", "stay right", 16, 100, 160, REPORT),
     _tia_place("demon_attack", "stay left", 16, 0, 60, REPORT),
+    _place("tennis", "at the net", 24, 0, 115, FRESH),
+    _place("tennis", "stay right", 26, 100, 255, FRESH),
+    _place("frostbite", "lower floes", 100, 79, 255, FRESH),
+    _place("frostbite", "stay right", 102, 100, 255, FRESH),
+    _place("qbert", "low on the pyramid", 67, 100, 200, FRESH),
+    _place("qbert", "right half", 43, 90, 200, FRESH),
 )
 
 
