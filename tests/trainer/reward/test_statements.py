@@ -10,7 +10,7 @@ import pytest
 
 from trainer.progress import NullProgress
 from trainer.reward.check import check_ranking
-from trainer.reward.model import RewardModel
+from trainer.reward.model import RewardModel, RewardNetwork
 from trainer.reward.preference_dataset import (
     GameFacts,
     ObservedTrajectory,
@@ -18,7 +18,7 @@ from trainer.reward.preference_dataset import (
     PreferenceDataset,
 )
 from trainer.reward.reward_trainer import train_reward_model
-from trainer.reward.statements import facts_read, understanding_of
+from trainer.reward.statements import facts_read, levels_of_facts, understanding_of
 from tril.games import game_named
 from tril.recipes import RewardRecipe
 from tril.recording import Recording, Trajectory, trajectory
@@ -103,6 +103,22 @@ def test_the_reward_is_a_network_that_is_saved_and_says_how_sure_it_is(
     assert check.n_as_good is not None
     assert check.held_out_accuracy is not None
     assert set(check.final_levels) == set(range(10))
+
+
+def test_levels_of_facts_are_on_the_scale_of_the_network(
+    words: Vocabulary, games: list[tuple[Trajectory, np.ndarray, float]]
+) -> None:
+    understanding = understanding_of(dataset_of(words, games, list(range(10))))
+    network = RewardNetwork(len(facts_read(understanding)))
+    model = RewardModel(network, offset=2.0, scale=4.0, zero=-1.0, one=3.0)
+    column = facts_read(understanding)[0]
+    facts = np.zeros((3, words.n_facts), np.float32)
+    facts[1, column] = 1
+    # Counts may exceed 1, which the network does not read.
+    facts[2, column] = 7
+    levels = levels_of_facts(model, understanding, facts)
+    weight = understanding.mean_coefficients()[column]
+    assert levels.tolist() == pytest.approx([((w - 2) / 4 + 1) / 4 for w in (0, weight, weight)])
 
 
 def test_the_same_seed_gives_the_same_network(

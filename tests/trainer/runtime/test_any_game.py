@@ -91,6 +91,8 @@ def test_a_run_in_any_game_is_learned_and_evaluated(
     if headline.understood:
         assert headline.understood.best.n == 1
         assert headline.understood.imitator is not None
+        assert headline.understood.read is not None
+        assert headline.understood.read.n == headline.understood.imitator.n
         assert headline.elsewhere is not None
         assert headline.elsewhere.best is None  # there is one
         assert headline.elsewhere.imitator is not None
