@@ -158,7 +158,7 @@ describe("the first page", () => {
 
   it("shows how much of what was understood is played where there are no targets", async () => {
     const share = (mean: number) => ({ mean, low: mean, high: mean, n: 23 });
-    const understood = { imitator: share(0.88), clone: null, best: share(0.31) };
+    const understood = { imitator: share(0.88), clone: null, best: share(0.31), read: null };
     serve({
       ...OWNER,
       "GET /api/behaviours": () => [behaviour({ target: null, n_recordings: 8, n_runs: 1 })],

@@ -38,7 +38,7 @@ describe("the path", () => {
 
   it("ends with how much of what was understood the imitator plays", () => {
     const share = { mean: 0.876, low: 0.8, high: 0.9, n: 23 };
-    const understood = { imitator: share, clone: null, best: share };
+    const understood = { imitator: share, clone: null, best: share, read: null };
     const done = { status: "done" as const, progress: 1, headline: headline({ understood }) };
     expect(pathOf(none, [done])[3]?.caption).toBe("imitator: 88%");
   });

@@ -49,7 +49,7 @@ describe("the list of runs", () => {
 
   it("says how much of what was understood is played where there are no targets", async () => {
     const share = { mean: 0.876, low: 0.81, high: 0.92, n: 23 };
-    const understood = { imitator: share, clone: null, best: share };
+    const understood = { imitator: share, clone: null, best: share, read: null };
     serve({
       "GET /api/runs": () => [run({ status: "done", headline: headline({ understood }) })],
     });

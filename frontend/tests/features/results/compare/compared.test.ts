@@ -62,7 +62,7 @@ describe("the rows of a comparison", () => {
   });
 
   it("have how much each run does of what was understood, where there is a statement", () => {
-    const understood = { imitator: INTERVAL, clone: null, best: INTERVAL };
+    const understood = { imitator: INTERVAL, clone: null, best: INTERVAL, read: null };
     const runs = [run({ headline: headline({ understood }) }), run({ id: "b" })];
     expect(resultRows(runs, "imitator", null).map(({ name, cells }) => [name, cells])).toEqual([
       ["Worth by what Tril understood (100%: a full game)", [INTERVAL, null]],
