@@ -149,6 +149,7 @@ class OrderReader:
         answers: Sequence[Answer],
         recordings_of: RecordingsOf,
         unranked: Sequence[int] = (),
+        names: Mapping[str, str] | None = None,
     ) -> OrderUnderstood:
         """Infer the statements that an order is about.
 
@@ -159,6 +160,7 @@ class OrderReader:
             answers: Answers about statements, the latest last.
             recordings_of: Called in another thread.
             unranked: Ids of games of which one may tell statements apart.
+            names: Names that people gave to the game's things.
 
         Raises:
             Unavailable: It could not be inferred.
@@ -189,6 +191,7 @@ class OrderReader:
                 tuple(row[key] for key in best if key in row),
                 tuple(answers),
                 tuple(seen[key] for key in others),
+                names or {},
             )
         )
         telling = understood.next_game

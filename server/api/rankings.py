@@ -46,7 +46,7 @@ from tril.analysis.wanted_aliens import Hits
 from tril.games import game_of
 from tril.ranking import normalise
 from tril.recording import Recording as StoredRecording
-from tril.store import answers, behaviours, borrowed, library, rankings, recordings
+from tril.store import answers, behaviours, borrowed, library, rankings, recordings, thing_names
 from tril.store.models import RankingRow
 from tril.teaching import varied_games
 from tril.vocabulary.answers import Answer
@@ -156,6 +156,7 @@ def understand_ranking(
         unranked = rankings.unranked(session, rankings.current(session, behaviour_id))
         # As shown, saved or not.
         pool = [key for key in unranked if key not in order.items] if shown.with_next else []
+        names = thing_names.current(session, game.name)
 
     def recordings_of(ids: Sequence[int]) -> dict[int, StoredRecording]:
         with services.database.reading() as session:
@@ -172,6 +173,7 @@ def understand_ranking(
         [Answer(frozenset(answer.subjects), answer.meant) for answer in given_answers],
         recordings_of,
         pool[:MAX_NEXT_GAMES],
+        names,
     )
     pictured = services.vocabularies.pictured(game)
     picture = picture_url(behaviour_id, game)

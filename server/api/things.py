@@ -10,19 +10,26 @@ from typing import Annotated
 from fastapi import APIRouter, Path, Query, Request
 from starlette.responses import Response
 
-from server.api.schemas.rankings import Meaning, NamedThing, NamedThings, ThingInSight
-from server.dependencies import MAX_ID, BehaviourId, services_of
+from server.api.schemas.rankings import (
+    Meaning,
+    NamedThing,
+    NamedThings,
+    ThingInSight,
+    ThingName,
+)
+from server.dependencies import MAX_ID, BehaviourId, Who, services_of
 from server.services import Services
 from server.vocabularies import VocabularyMaker
-from server.web.problems import NOT_FOUND
+from server.web.problems import CONFLICT, NOT_FOUND
 from tril.analysis.outcome import ToldStatement
-from tril.errors import NotFound
+from tril.errors import NameTaken, NotFound
 from tril.games import game_of
 from tril.games.base import Game
 from tril.games.settings import MAX_STEPS
 from tril.recording import Recording
-from tril.store import behaviours, recordings
-from tril.vocabulary.answers import kinds_about
+from tril.store import behaviours, recordings, thing_names
+from tril.store.changes import note_change
+from tril.vocabulary.answers import given_name, kinds_about, thing_key
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.making import vocabulary_key
 from tril.vocabulary.pointing import meanings_of
@@ -66,8 +73,42 @@ def statement_pictures(
 def list_things(request: Request, behaviour_id: BehaviourId) -> NamedThings:
     """Return the meanings to choose from, by kind of thing, and those that belong to no thing."""
     services = services_of(request)
+    return _named_things(services, behaviour_id)
+
+
+@router.put("/{kind}/name", responses=NOT_FOUND | CONFLICT)
+def name_thing(
+    request: Request,
+    identity: Who,
+    behaviour_id: BehaviourId,
+    kind: Annotated[int, Path(ge=0, le=255)],
+    update: ThingName,
+) -> NamedThings:
+    """Name a kind of things, for all behaviours of the game; return the things."""
+    services = services_of(request)
     game = _game_of(services, behaviour_id)
     words = Vocabulary.load(_vocabulary(services, game))
+    kinds = {one.kind for one in meanings_of(words, game) if one.kind is not None}
+    if kind not in kinds:
+        raise NotFound("There is no such thing in this game.")
+    with services.database.writing() as session:
+        key = thing_key(words, kind)
+        names = thing_names.current(session, game.name) | {key: update.name}
+        words = words.with_names({thing: name for thing, name in names.items() if name})
+        name = kind_name(words, kind, game)
+        # Statements about two things that read the same would count as one.
+        if any(kind_name(words, other, game) == name for other in kinds - {kind}):
+            raise NameTaken(f"Another thing in this game is called {name}. Choose another name.")
+        thing_names.give(session, game.name, key, update.name, identity.player_id)
+        note_change(session, "ranking", behaviour_id)
+    return _named_things(services, behaviour_id)
+
+
+def _named_things(services: Services, behaviour_id: int) -> NamedThings:
+    game = _game_of(services, behaviour_id)
+    with services.database.reading() as session:
+        names = thing_names.current(session, game.name)
+    words = Vocabulary.load(_vocabulary(services, game)).with_names(names)
     meanings: dict[int | None, list[Meaning]] = defaultdict(list)
     for pointed in meanings_of(words, game):
         meanings[pointed.kind].append(
@@ -83,6 +124,7 @@ def list_things(request: Request, behaviour_id: BehaviourId) -> NamedThings:
             NamedThing(
                 kind=kind,
                 name=kind_name(words, kind, game),
+                given=given_name(words, kind),
                 picture=picture.format(kind) if kind in pictured else None,
                 meanings=meanings[kind],
             )

@@ -103,6 +103,7 @@ OPERATIONS: dict[Need, tuple[str, ...]] = {
         "get_thing_picture",
         "list_things",
         "list_things_in_sight",
+        "name_thing",
         "add_games",
         "list_borrowed_games",
         "add_varied_games",

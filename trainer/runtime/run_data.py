@@ -22,7 +22,7 @@ from tril.analysis.outcome import RunSnapshot
 from tril.errors import Invalid
 from tril.games.base import Console
 from tril.recording import Recording, RecordingRefused, Trajectory, trajectory
-from tril.store import recordings
+from tril.store import recordings, thing_names
 from tril.store.training import artifacts
 from tril.store.training.artifacts import ArtifactDamaged
 from tril.vocabulary.answers import Answer
@@ -107,12 +107,16 @@ class RunData:
 
     @property
     def words(self) -> Vocabulary:
-        """The game's vocabulary; made on first use."""
-        self._words = self._words or vocabulary_of(
-            self.context.settings.data,
-            self.context.game,
-            lambda *_: self.context.check_cancelled(),
-        )
+        """The game's vocabulary, with the names that people gave to things; made on first use."""
+        if self._words is None:
+            words = vocabulary_of(
+                self.context.settings.data,
+                self.context.game,
+                lambda *_: self.context.check_cancelled(),
+            )
+            with self.context.database.reading() as session:
+                names = thing_names.current(session, self.context.game.name)
+            self._words = words.with_names(names)
         return self._words
 
     def facts(self, ids: Sequence[int]) -> list[Facts]:

@@ -399,6 +399,23 @@ class StatementAnswerRow(Base):
     created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
 
 
+class ThingNameRow(Base):
+    """A name that somebody gave to a kind of things of a game; rows are only ever added.
+
+    ``thing`` is its key (see tril.vocabulary.answers.thing_key). An empty name takes back the
+    former one.
+    """
+
+    __tablename__ = "thing_names"
+
+    id: Mapped[int] = mapped_column(Integer, primary_key=True)
+    game: Mapped[str] = mapped_column(String(160), index=True)
+    thing: Mapped[str] = mapped_column(String(80))
+    name: Mapped[str] = mapped_column(LineText(40))
+    player_id: Mapped[int | None] = mapped_column(ForeignKey("players.id"))
+    created_at: Mapped[datetime] = mapped_column(UTCDateTime, default=now)
+
+
 class RunDevice(StrEnum):
     """Which workers may take a run. ANY: all. GPU: those that learn on a GPU."""
 

@@ -17,6 +17,7 @@ from tril.vocabulary.pieces import PIECES
 
 MOST_SUBJECTS = 2
 """Of a statement."""
+_WITHOUT_LOOK = {PIECES: "pieces", FORMATION: "formation"}
 _LOOK = re.compile(r"(\d+):(\d+)-(\d+)x(\d+)-(\d+)")
 
 
@@ -49,6 +50,22 @@ def subject_of(words: Vocabulary, group: Group) -> str:
         # Of one formation and of one thing that is steered.
         return f"formation {group.aspect}"
     return " ".join([group.source, *map(str, group.subject), group.aspect])
+
+
+def thing_key(words: Vocabulary, index: int) -> str:
+    """Return what names a kind of things, PIECES or FORMATION in another vocabulary of the game."""
+    if index in _WITHOUT_LOOK:
+        return _WITHOUT_LOOK[index]
+    return _kind(words.kinds[index])
+
+
+def given_name(words: Vocabulary, index: int) -> str | None:
+    """Return the name that a person gave to a kind of things, if any."""
+    key = thing_key(words, index)
+    if key in words.names:
+        return words.names[key]
+    # It was named when another of its looks was the most frequent one.
+    return next((name for old, name in words.names.items() if _known_look(words, old) == key), None)
 
 
 def known_subject(words: Vocabulary, subject: str) -> str:

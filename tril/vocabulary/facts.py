@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, Self
@@ -82,6 +82,8 @@ class Vocabulary:
             None if there are none.
         groups: What the facts are about.
         pool: Facts of the varied games that it was made from, float32 (n_games, n_facts).
+        names: Names that people gave to kinds of things, by `tril.vocabulary.answers.thing_key`;
+            they are no part of its file.
     """
 
     horizon: int
@@ -91,6 +93,7 @@ class Vocabulary:
     pieces: Mask | None
     groups: tuple[Group, ...]
     pool: Array
+    names: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
     def of_games(
@@ -130,6 +133,10 @@ class Vocabulary:
         pool = np.stack([words.summary(of_game) for of_game in facts])
         signed = with_signs(groups, words.columns, facts)
         return cls(horizon, scene, kinds, player, pieces, signed, pool)
+
+    def with_names(self, names: Mapping[str, str]) -> Self:
+        """Return the vocabulary with names that people gave to kinds of things."""
+        return replace(self, names=dict(names)) if names else self
 
     @cached_property
     def columns(self) -> tuple[npt.NDArray[np.int64], ...]:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tril.games.base import Game
-from tril.vocabulary.answers import subject_of
+from tril.vocabulary.answers import given_name, subject_of
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.formations import FORMATION
 from tril.vocabulary.groups import Group, Sign
@@ -515,7 +515,10 @@ def _seen_kind(group: Group) -> int:
 
 
 def kind_name(words: Vocabulary, index: int, game: Game) -> str:
-    """Return what a kind of things is called: by the game, or by its colour and size."""
+    """Return what a kind of things is called: by a person, by the game, or by colour and size."""
+    given = given_name(words, index)
+    if given is not None:
+        return given if index in (PIECES, FORMATION) else _with_article(given)
     if index == PIECES:
         return pieces_name(words, game)
     if index == FORMATION:
@@ -523,12 +526,17 @@ def kind_name(words: Vocabulary, index: int, game: Game) -> str:
     kind = words.kinds[index]
     thing = game.things.get(kind.name) if kind.name is not None else None
     if thing:
-        return thing.title if thing.title[0].isupper() else f"the {thing.title}"
+        return _with_article(thing.title)
     if index == words.player:
         return "what you steer"
     look = kind.looks[0]
     width, height = round(sum(look.width) / 2), round(sum(look.height) / 2)
     return f"the {colour_name(rgb_of(look.colour, game))} thing of {width}x{height} px"
+
+
+def _with_article(name: str) -> str:
+    """Return a thing's name as a sentence has it; proper names have no article."""
+    return name if name[0].isupper() or name.startswith("the ") else f"the {name}"
 
 
 def one_name(words: Vocabulary, index: int, game: Game) -> str:

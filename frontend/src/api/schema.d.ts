@@ -381,6 +381,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/behaviours/{behaviour_id}/ranking/things/{kind}/name": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Name Thing
+         * @description Name a kind of things, for all behaviours of the game; return the things.
+         */
+        put: operations["name_thing"];
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/behaviours/{behaviour_id}/ranking/things/in-sight": {
         parameters: {
             query?: never;
@@ -2174,8 +2194,13 @@ export interface components {
             name: string;
             title: string;
         };
-        /** @description A kind of things on the game's screen, and what may be meant of it. */
+        /**
+         * @description A kind of things on the game's screen, and what may be meant of it.
+         *
+         *     ``given`` is the name that somebody gave to it, ``name`` as sentences have it.
+         */
         NamedThing: {
+            given: string | null;
             kind: number;
             meanings: components["schemas"]["Meaning"][];
             name: string;
@@ -2900,6 +2925,10 @@ export interface components {
             left: number;
             top: number;
             width: number;
+        };
+        /** @description A name for a kind of things; an empty one takes back the name that it was given. */
+        ThingName: {
+            name: string;
         };
         /**
          * @description A game in brief. ``last_played_at`` is null for those that nobody here has played.
@@ -3826,6 +3855,41 @@ export interface operations {
             401: components["responses"]["401"];
             403: components["responses"]["403"];
             404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
+        };
+    };
+    name_thing: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                behaviour_id: number;
+                kind: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ThingName"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NamedThings"];
+                };
+            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            409: components["responses"]["409"];
             413: components["responses"]["413"];
             422: components["responses"]["422"];
             503: components["responses"]["503"];

@@ -127,10 +127,14 @@ class Meaning(Schema):
 
 
 class NamedThing(Schema):
-    """A kind of things on the game's screen, and what may be meant of it."""
+    """A kind of things on the game's screen, and what may be meant of it.
+
+    ``given`` is the name that somebody gave to it, ``name`` as sentences have it.
+    """
 
     kind: int
     name: str
+    given: str | None
     picture: str | None
     meanings: list[Meaning]
 
@@ -140,6 +144,12 @@ class NamedThings(Schema):
 
     things: list[NamedThing]
     others: list[Meaning]
+
+
+class ThingName(Schema):
+    """A name for a kind of things; an empty one takes back the name that it was given."""
+
+    name: Line = Field(max_length=40)
 
 
 class ThingInSight(Schema):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import lru_cache
 from pathlib import Path
@@ -123,6 +123,7 @@ class UnderstandRequest:
         best: Rows of the best efforts.
         answers: Answers about statements, the latest last.
         unranked: Games of which one may tell statements apart.
+        names: Names that people gave to the game's things, see `Vocabulary.with_names`.
     """
 
     game: Game
@@ -132,6 +133,7 @@ class UnderstandRequest:
     best: tuple[int, ...]
     answers: tuple[StatementAnswer, ...]
     unranked: tuple[Watched, ...] = ()
+    names: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -241,7 +243,7 @@ def _vocabulary(path: Path) -> Vocabulary:
 
 
 def _understand(request: UnderstandRequest) -> Understood:
-    words = _vocabulary(request.vocabulary)
+    words = _vocabulary(request.vocabulary).with_names(request.names)
     summaries = np.stack([game.summary for game in request.games])
     order = words, summaries, request.tiers, request.best, request.answers
     try:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from sqlalchemy import select
 from starlette.testclient import TestClient
 
 from server.vocabularies import VocabularyMaker
@@ -21,7 +22,7 @@ from tril.analysis.outcome import ToldStatement
 from tril.demonstrators import play_randomly
 from tril.games.space_invaders import SPACE_INVADERS
 from tril.store import recordings
-from tril.store.models import AuditRow, Source
+from tril.store.models import AuditRow, Source, ThingNameRow
 from tril.store.training import runs
 
 RANKING = "/api/behaviours/1/ranking"
@@ -190,6 +191,38 @@ def test_things_are_named_with_what_may_be_meant_of_them(learned: Learned) -> No
     told = understood(learned.client, learned.games)
     assert all(set(meant["subjects"]) <= set(one["subjects"]) for one in told["statements"])
     assert answer(learned.client, meant, None) == []
+
+
+def test_a_thing_is_named_for_all_behaviours_of_its_game(learned: Learned) -> None:
+    client, workplace = learned.client, learned.workplace
+    things = client.get(f"{RANKING}/things").json()["things"]
+    cannon, other = things[0]["kind"], things[1]["kind"]
+    assert things[0]["given"] is None
+
+    def rename(kind: int, name: str) -> Any:
+        return client.put(f"{RANKING}/things/{kind}/name", json={"name": name})
+
+    named = rename(cannon, " tank ").json()["things"][0]
+    assert (named["name"], named["given"]) == ("the tank", "tank")
+    assert all("cannon" not in one["sentence"] for one in named["meanings"])
+    elsewhere = client.get(RANKING.replace("1", "2") + "/things").json()["things"][0]
+    assert elsewhere["name"] == "the tank"
+    place = next(one for one in named["meanings"] if "left or right" in one["sentence"])
+    answer(client, place, True)
+    told = understood(client, learned.games)["statements"]
+    assert all("the tank" in one["sentence"] for one in told)
+    assert answer(client, place, None) == []
+    taken = rename(other, "the tank")
+    assert taken.status_code == 409
+    assert "Another thing in this game is called the tank" in taken.text
+    assert rename(250, "nothing").status_code == 404
+    assert rename(cannon, "x" * 41).status_code == 422
+    # Names like these would make a sentence unreadable.
+    assert rename(cannon, "a\u202eb").status_code == 422
+    assert rename(cannon, "").json()["things"][0]["name"] == "the cannon"
+    with workplace.database.reading() as session:
+        kept = session.scalars(select(ThingNameRow).order_by(ThingNameRow.id)).all()
+    assert [row.name for row in kept] == ["tank", ""]
 
 
 def test_things_in_sight_have_boxes_on_the_screen(learned: Learned) -> None:

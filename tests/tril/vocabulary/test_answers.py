@@ -13,10 +13,11 @@ from tril.vocabulary.answers import (
     kinds_about,
     known_subject,
     subject_of,
+    thing_key,
 )
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.posterior import NothingPossible
-from tril.vocabulary.sentences import Telling, tell
+from tril.vocabulary.sentences import Telling, kind_name, tell
 from tril.vocabulary.understanding import understand
 
 
@@ -65,6 +66,19 @@ def test_two_that_are_meant_hold_together_and_of_three_the_latest(words: Vocabul
 def test_an_answer_about_what_is_not_in_the_vocabulary_is_ignored(words: Vocabulary) -> None:
     for meant in (True, False):
         assert told(words, Answer(frozenset({"thing 99:1-2x1-2 x"}), meant)) == told(words)
+
+
+def test_a_thing_is_called_by_the_name_that_a_person_gave_it(words: Vocabulary) -> None:
+    pong = game_named("pong")
+    steered = thing_key(words, 0)
+    assert steered == "40:8-8x6-6"
+    for name, shown in (("bat", "the bat"), ("the bat", "the bat"), ("Bob", "Bob")):
+        assert kind_name(words.with_names({steered: name}), 0, pong) == shown
+        assert kind_name(words.with_names({steered: name}), 1, pong) == kind_name(words, 1, pong)
+    # It was named by an earlier vocabulary, in which another of its looks was the most frequent.
+    assert kind_name(words.with_names({"40:7-9x5-6": "bat"}), 0, pong) == "the bat"
+    # A name of what this vocabulary does not have.
+    assert kind_name(words.with_names({"99:1-2x1-2": "bat"}), 0, pong) == "what you steer"
 
 
 @pytest.mark.parametrize(

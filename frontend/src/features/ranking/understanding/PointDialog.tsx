@@ -12,6 +12,7 @@ import { useRecordingName } from "@/features/ranking/recording-names";
 
 import styles from "./PointDialog.module.css";
 import { Sight } from "./Sight";
+import { ThingNameForm } from "./ThingNameForm";
 import { thingsQuery } from "./things";
 
 interface PointDialogProps {
@@ -84,7 +85,13 @@ function Pointing({ behaviourId, recordingIds, named, onMean }: PointingProps) {
         />
       </div>
       {thing ? (
-        <Meanings key={thing.kind} thing={thing} onMean={onMean} onBack={() => setChosen(null)} />
+        <Meanings
+          key={thing.kind}
+          behaviourId={behaviourId}
+          thing={thing}
+          onMean={onMean}
+          onBack={() => setChosen(null)}
+        />
       ) : (
         <Things
           named={named}
@@ -110,7 +117,9 @@ function Things({ named, marked, onPoint, onChoose, onMean }: ThingsProps) {
   return (
     <div className={styles.words}>
       <p>
-        <Trans>Point at a thing in the picture, or choose it here.</Trans>
+        <Trans>
+          Point at a thing in the picture, or choose it here. You can give it a name, too.
+        </Trans>
       </p>
       <ul className={styles.things} aria-label={t`Things in the game`}>
         {named.things.map(({ kind, name, picture }) => (
@@ -139,14 +148,17 @@ function Things({ named, marked, onPoint, onChoose, onMean }: ThingsProps) {
 }
 
 interface MeaningsProps {
+  behaviourId: number;
   thing: NamedThing;
   onMean: (meaning: Meaning) => void;
   onBack: () => void;
 }
 
 /** What of a thing may be meant. */
-function Meanings({ thing: { name, picture, meanings }, onMean, onBack }: MeaningsProps) {
+function Meanings({ behaviourId, thing, onMean, onBack }: MeaningsProps) {
+  const { name, picture, meanings } = thing;
   const title = useRef<HTMLHeadingElement>(null);
+  const [naming, setNaming] = useState(false);
   // What had the focus is gone.
   useLayoutEffect(() => title.current?.focus(), []);
   return (
@@ -161,7 +173,22 @@ function Meanings({ thing: { name, picture, meanings }, onMean, onBack }: Meanin
         <h3 ref={title} tabIndex={-1}>
           {name}
         </h3>
+        {!naming && (
+          <Button kind="quiet" icon="edit" onClick={() => setNaming(true)}>
+            {thing.given === null ? <Trans>Give it a name</Trans> : <Trans>Rename</Trans>}
+          </Button>
+        )}
       </div>
+      {naming && (
+        <ThingNameForm
+          behaviourId={behaviourId}
+          thing={thing}
+          onClose={() => {
+            setNaming(false);
+            title.current?.focus();
+          }}
+        />
+      )}
       <p>
         <Trans>What about it makes a game better? Your order says in which direction.</Trans>
       </p>

@@ -17,8 +17,8 @@ const BALLS = { subjects: ["thing 2 count"], sentence: "more or fewer of the bal
 const TIME = { subjects: ["time played"], sentence: "the game going on longer or less long" };
 const NAMED: NamedThings = {
   things: [
-    { kind: 1, name: "what you steer", picture: "/1.png", meanings: [PLACE] },
-    { kind: 4, name: "the ball", picture: null, meanings: [BALLS] },
+    { kind: 1, name: "what you steer", given: null, picture: "/1.png", meanings: [PLACE] },
+    { kind: 4, name: "the ball", given: null, picture: null, meanings: [BALLS] },
   ],
   others: [TIME],
 };
@@ -28,10 +28,30 @@ const IN_SIGHT = [
   { kind: 4, left: 90, top: 42, width: 2, height: 2 },
 ];
 
-function open(named: () => unknown = () => NAMED) {
+const [STEERED, BALL] = NAMED.things;
+const RENAMED = {
+  ...NAMED,
+  things: [
+    STEERED,
+    {
+      ...BALL,
+      name: "the puck",
+      given: "puck",
+      meanings: [{ ...BALLS, sentence: "more or fewer of the puck" }],
+    },
+  ],
+};
+
+function open(named: () => unknown = () => NAMED, rename: () => unknown = () => RENAMED) {
   const onMean = vi.fn();
+  let things = named;
   const asked = serve({
-    "GET /api/behaviours/1/ranking/things": named,
+    "GET /api/behaviours/1/ranking/things": () => things(),
+    "PUT /api/behaviours/1/ranking/things/4/name": () => {
+      const answer = rename();
+      if (!(answer instanceof Refusal)) things = rename;
+      return answer;
+    },
     "GET /api/behaviours/1/ranking/things/in-sight": ({ query }: Asked) =>
       query.get("recording_id") === "7" ? IN_SIGHT : [],
     "GET /api/behaviours/1/library/recordings": ({ query }: Asked) =>
@@ -94,6 +114,38 @@ describe("pointing at a thing", () => {
     await waitFor(() => expect(stepsAsked(asked)).toEqual(["4", "10", "11"]));
     await userEvent.selectOptions(screen.getByRole("combobox", { name: "Game" }), "Recording 9");
     await waitFor(() => expect(stepsAsked(asked)).toHaveLength(4));
+  });
+
+  it("gives a thing a name, by which everything is told afterwards", async () => {
+    const { asked } = open();
+    await userEvent.click(await screen.findByRole("button", { name: "the ball" }));
+    await userEvent.click(screen.getByRole("button", { name: "Give it a name" }));
+    const name = screen.getByRole("textbox", { name: "Name" });
+    expect(name).toHaveFocus();
+    await userEvent.type(name, " puck {Enter}");
+    const title = await screen.findByRole("heading", { name: "the puck" });
+    expect(title).toHaveFocus();
+    expect(screen.getByRole("button", { name: "more or fewer of the puck" })).toBeVisible();
+    expect(asked.filter(({ method }) => method === "PUT").map(({ body }) => body)).toEqual([
+      { name: "puck" },
+    ]);
+    await userEvent.click(screen.getByRole("button", { name: "Rename" }));
+    expect(screen.getByRole("textbox", { name: "Name" })).toHaveValue("puck");
+    expect(screen.getByText(/Empty for Tril’s own name/)).toBeVisible();
+    await userEvent.click(screen.getByRole("button", { name: "Cancel" }));
+    expect(screen.getByRole("heading", { name: "the puck" })).toHaveFocus();
+  });
+
+  it("keeps a name that is refused, and says why", async () => {
+    open(
+      undefined,
+      () => new Refusal(422, { detail: "This name has a character that is not text." }),
+    );
+    await userEvent.click(await screen.findByRole("button", { name: "the ball" }));
+    await userEvent.click(screen.getByRole("button", { name: "Give it a name" }));
+    await userEvent.type(screen.getByRole("textbox", { name: "Name" }), "puck{Enter}");
+    expect(await screen.findByText(/a character that is not text/)).toBeVisible();
+    expect(screen.getByRole("textbox", { name: "Name" })).toHaveValue("puck");
   });
 
   it("says why nothing can be pointed at", async () => {

@@ -1,0 +1,82 @@
+import { t } from "@lingui/core/macro";
+import { Trans } from "@lingui/react/macro";
+import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useState } from "react";
+
+import { api, messageOf, unwrap } from "@/api/client";
+import type { NamedThing } from "@/api/types";
+import { Button } from "@/components/controls/Button";
+import { Field } from "@/components/controls/Field";
+
+import styles from "./PointDialog.module.css";
+import { thingsQuery } from "./things";
+
+interface ThingNameFormProps {
+  behaviourId: number;
+  thing: NamedThing;
+  onClose: () => void;
+}
+
+const MAX_LENGTH = 40;
+
+/** Names a thing: what Tril says of it from then on has this name. */
+export function ThingNameForm({ behaviourId, thing, onClose }: ThingNameFormProps) {
+  const client = useQueryClient();
+  const [name, setName] = useState(thing.given ?? "");
+  const { mutate, isPending, error } = useMutation({
+    mutationFn: () =>
+      unwrap(
+        api.PUT("/api/behaviours/{behaviour_id}/ranking/things/{kind}/name", {
+          params: { path: { behaviour_id: behaviourId, kind: thing.kind } },
+          body: { name: name.trim() },
+        }),
+      ),
+    onSuccess: async (named) => {
+      client.setQueryData(thingsQuery(behaviourId).queryKey, named);
+      onClose();
+      // All behaviours of the game share the names.
+      await Promise.all(
+        ["understanding", "things"].map((queryKey) =>
+          client.invalidateQueries({ queryKey: [queryKey] }),
+        ),
+      );
+    },
+  });
+  return (
+    <form
+      className={styles.naming}
+      onSubmit={(event) => {
+        event.preventDefault();
+        if (!isPending) mutate();
+      }}
+    >
+      <Field
+        label={t`Name`}
+        hint={
+          thing.given === null
+            ? t`Such as “ball”. Every behaviour of this game uses it.`
+            : t`Empty for Tril’s own name. Every behaviour of this game uses it.`
+        }
+        error={error && messageOf(error)}
+      >
+        {(control) => (
+          <input
+            {...control}
+            autoFocus
+            value={name}
+            maxLength={MAX_LENGTH}
+            onChange={(event) => setName(event.currentTarget.value)}
+          />
+        )}
+      </Field>
+      <div className={styles.buttons}>
+        <Button kind="primary" type="submit" aria-disabled={isPending}>
+          <Trans>Save</Trans>
+        </Button>
+        <Button onClick={onClose}>
+          <Trans>Cancel</Trans>
+        </Button>
+      </div>
+    </form>
+  );
+}
