@@ -139,18 +139,25 @@ def test_moments_are_shown_and_what_is_pointed_at_is_meant_and_taken_back(page: 
     player.focus()
     page.keyboard.press("Enter")
     expect(dialog.get_by_role("heading", name="the green paddle")).to_be_focused()
-    sentence = "the green paddle higher up or lower down"
+    # It is called as the person calls it.
+    dialog.get_by_role("button", name="Give it a name").click()
+    name = dialog.get_by_role("textbox", name="Name")
+    expect(name).to_be_focused()
+    page.keyboard.type("my bat")
+    page.keyboard.press("Enter")
+    expect(dialog.get_by_role("heading", name="my bat")).to_be_focused()
+    sentence = "my bat higher up or lower down"
     dialog.get_by_role("button", name=sentence).click()
     expect(dialog).to_have_count(0)
     expect(point).to_be_focused()
     expect(panel.get_by_text(re.compile("^You said(:| that) this is it")).first).to_be_visible()
     # Every statement is about it now, in the order's own words.
     first = panel.get_by_role("listitem").first
-    meant = r"the green paddle (higher|lower|.*from the top)"
+    meant = r"my bat (higher|lower|.*from the top)"
     expect(first).to_contain_text(re.compile(meant))
 
     page.reload()
-    back = panel.get_by_role("button", name=re.compile("^Take back: (the|what)"))
+    back = panel.get_by_role("button", name=re.compile("^Take back: my bat"))
     expect(back.first).to_be_visible(timeout=PATIENCE_MS)
     back.first.click()
     expect(panel.get_by_text(re.compile("^You said(:| that) this is it"))).to_have_count(0)

@@ -536,7 +536,8 @@ def kind_name(words: Vocabulary, index: int, game: Game) -> str:
 
 def _with_article(name: str) -> str:
     """Return a thing's name as a sentence has it; proper names have no article."""
-    return name if name[0].isupper() or name.startswith("the ") else f"the {name}"
+    has_article = name.startswith(("the ", "my ", "a ", "an "))
+    return name if name[0].isupper() or has_article else f"the {name}"
 
 
 def one_name(words: Vocabulary, index: int, game: Game) -> str:

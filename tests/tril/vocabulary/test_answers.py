@@ -72,7 +72,7 @@ def test_a_thing_is_called_by_the_name_that_a_person_gave_it(words: Vocabulary) 
     pong = game_named("pong")
     steered = thing_key(words, 0)
     assert steered == "40:8-8x6-6"
-    for name, shown in (("bat", "the bat"), ("the bat", "the bat"), ("Bob", "Bob")):
+    for name, shown in (("bat", "the bat"), ("the bat", "the bat"), ("my bat", "my bat"), ("Bob", "Bob")):
         assert kind_name(words.with_names({steered: name}), 0, pong) == shown
         assert kind_name(words.with_names({steered: name}), 1, pong) == kind_name(words, 1, pong)
     # It was named by an earlier vocabulary, in which another of its looks was the most frequent.
