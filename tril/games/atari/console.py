@@ -88,6 +88,9 @@ class AtariConsole:
         # With the emulator's random numbers, from which a reset draws what memory and timer hold:
         # otherwise a start of Seaquest, say, would depend on how many went before it.
         self._powered_on = self._ale.cloneState(include_rng=True)
+        # A state that is restored before the emulator has run a frame goes on differently in some
+        # games, such as Q*bert.
+        self._ale.act(ale_py.Action.NOOP)
         self._intro = intro
         self._actions = tuple(getattr(ale_py.Action, name) for name in game.controls.actions)
         self._start_cache: StartCache = {} if start_cache is None else start_cache

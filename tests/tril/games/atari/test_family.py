@@ -52,6 +52,21 @@ def test_a_start_does_not_depend_on_those_before_it(name: str) -> None:
         assert used.ram_bytes() == fresh.ram_bytes(), start
 
 
+@pytest.mark.parametrize("name", ["qbert", "pong"])
+def test_a_state_goes_on_alike_in_a_console_that_has_not_played(name: str) -> None:
+    game = game_named(name)
+    used = game.make_console()
+    used.start(game.starts.training[0])
+    state = used.save()
+    fresh = game.make_console()
+    fresh.restore(state)
+    for step in range(60):
+        action = step // 10 % game.controls.n_actions
+        used.act(action)
+        fresh.act(action)
+        assert used.ram_bytes() == fresh.ram_bytes(), step
+
+
 @pytest.mark.parametrize("name", ["pong", "breakout", "freeway", "enduro"])
 def test_starts_differ(name: str) -> None:
     game = game_named(name)
