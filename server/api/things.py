@@ -29,11 +29,12 @@ from tril.games.settings import MAX_STEPS
 from tril.recording import Recording
 from tril.store import behaviours, recordings, thing_names
 from tril.store.changes import note_change
+from tril.text import folded
 from tril.vocabulary.answers import given_name, kinds_about, thing_key
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.making import vocabulary_key
 from tril.vocabulary.pointing import meanings_of
-from tril.vocabulary.sentences import kind_name
+from tril.vocabulary.sentences import bare_name, kind_name, one_name
 
 router = APIRouter(prefix="/behaviours/{behaviour_id}/ranking/things", tags=["ranking"])
 
@@ -76,32 +77,39 @@ def list_things(request: Request, behaviour_id: BehaviourId) -> NamedThings:
     return _named_things(services, behaviour_id)
 
 
-@router.put("/{kind}/name", responses=NOT_FOUND | CONFLICT)
+@router.put("/names", responses=NOT_FOUND | CONFLICT)
 def name_thing(
-    request: Request,
-    identity: Who,
-    behaviour_id: BehaviourId,
-    kind: Annotated[int, Path(ge=0, le=255)],
-    update: ThingName,
+    request: Request, identity: Who, behaviour_id: BehaviourId, update: ThingName
 ) -> NamedThings:
     """Name a kind of things, for all behaviours of the game; return the things."""
     services = services_of(request)
     game = _game_of(services, behaviour_id)
     words = Vocabulary.load(_vocabulary(services, game))
-    kinds = {one.kind for one in meanings_of(words, game) if one.kind is not None}
-    if kind not in kinds:
-        raise NotFound("There is no such thing in this game.")
+    kinds = {meaning.kind for meaning in meanings_of(words, game) if meaning.kind is not None}
+    kind = next((index for index in kinds if thing_key(words, index) == update.key), None)
+    if kind is None:
+        raise NotFound("There is no such thing in this game (any more). Reload the page.")
     with services.database.writing() as session:
-        key = thing_key(words, kind)
-        names = thing_names.current(session, game.name) | {key: update.name}
-        words = words.with_names({thing: name for thing, name in names.items() if name})
+        names = thing_names.current(session, game.name) | {update.key: update.name}
+        words = words.with_names(names)
         name = kind_name(words, kind, game)
         # Statements about two things that read the same would count as one.
-        if any(kind_name(words, other, game) == name for other in kinds - {kind}):
-            raise NameTaken(f"Another thing in this game is called {name}. Choose another name.")
-        thing_names.give(session, game.name, key, update.name, identity.player_id)
-        note_change(session, "ranking", behaviour_id)
+        others = set().union(*(_names(words, index, game) for index in kinds - {kind}))
+        if update.name and not others.isdisjoint(_names(words, kind, game)):
+            raise NameTaken(
+                f"Another thing in this game is called \u201c{name}\u201d. Choose another name."
+            )
+        thing_names.give(session, game.name, update.key, update.name, identity.player_id)
+        for row in behaviours.listing(session):
+            if row.game == game.name:
+                note_change(session, "ranking", row.id)
     return _named_things(services, behaviour_id)
+
+
+def _names(words: Vocabulary, kind: int, game: Game) -> set[str]:
+    """Return what a kind of things is called, such that equal names are equal strings."""
+    names = (kind_name(words, kind, game), one_name(words, kind, game))
+    return {folded(bare_name(name)) for name in names}
 
 
 def _named_things(services: Services, behaviour_id: int) -> NamedThings:
@@ -123,6 +131,7 @@ def _named_things(services: Services, behaviour_id: int) -> NamedThings:
         things=[
             NamedThing(
                 kind=kind,
+                key=thing_key(words, kind),
                 name=kind_name(words, kind, game),
                 given=given_name(words, kind),
                 picture=picture.format(kind) if kind in pictured else None,

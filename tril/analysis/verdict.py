@@ -23,7 +23,7 @@ SURE = 1 / 3
 """Probability of the likeliest statement below which a run counts as a guess. It is low, since the
 next statements often say nearly the same."""
 MISREAD = 0.15
-"""By how much more of a whole game than it is worth the reward network may take a game for."""
+"""Share of a whole game by which the reward network may overrate games (T-REX, section 6)."""
 MOST_LOST = 0.5
 """Death rate above which most games are lost."""
 FEW_LOST = 0.25
@@ -256,9 +256,11 @@ def _by_statement(
         f" learned from: {_percent(share.mean)} against {_percent(best.mean)}."
     )
     n_met = sum(met >= MOST_MET for met in run.measures_met)
+    misread = _misread(share, understood.read)
     details = " ".join(
         part
         for part in (
+            misread,
             "100% would be a game of full length, played throughout as well as the best ones are on"
             " average.",
             # Their worth is the share that they last, as the unit is their own mean.
@@ -276,18 +278,6 @@ def _by_statement(
     )
     if run.is_alarmed:
         return Verdict("bad", sentence, details, _ALARMED, "teach")
-    read = understood.read
-    if read is not None and read.low > share.high and read.mean - share.mean > MISREAD:
-        # What is learned is what the network reads; see Brown et al. 2019, section 6.
-        return Verdict(
-            "fair",
-            sentence,
-            f"Its reward misreads them: by what it reads off the screen they are worth"
-            f" {_percent(read.mean)}. {details}",
-            "Rank some of its games among the others, so that the reward learns to read what they"
-            " show, and train further.",
-            "teach",
-        )
     if run.sureness is not None and run.sureness < SURE:
         return Verdict(
             "fair",
@@ -304,6 +294,12 @@ def _by_statement(
             " misses, and train again."
         )
         return Verdict("fair", sentence, details, advice, "rank")
+    if is_as_good and not is_worse and misread:
+        advice = (
+            "Rank some of its games among the others, so that the reward learns to read what they"
+            " show, and train further."
+        )
+        return Verdict("fair", sentence, details, advice, "teach")
     if is_as_good and not is_worse:
         advice = "Is it what you meant? Watch some of its games, or compare them blind."
         return Verdict("good", sentence, details, advice, "games")
@@ -314,6 +310,18 @@ def _by_statement(
         return Verdict(tone, sentence, details, advice, "train")
     advice = "Teach it more: rank some of its own games among the others, and train further."
     return Verdict(tone, sentence, details, advice, "teach")
+
+
+def _misread(share: Interval, read: Interval | None) -> str:
+    """Return that the reward overrates games, since what is learned is what its network reads."""
+    if read is None or read.n < 2 or read.low <= share.high:
+        return ""
+    if read.mean - max(share.mean, 0) <= MISREAD:
+        return ""
+    return (
+        "Its reward overrates these games: read off the screen, they are worth"
+        f" {_percent(read.mean)}."
+    )
 
 
 def _measures(n_met: int, met: tuple[float, ...]) -> str:

@@ -11,10 +11,16 @@ from tril.text import clean_line
 
 
 def current(session: Session, game: str) -> dict[str, str]:
-    """Return the names of a game's things by their keys, see tril.vocabulary.answers.thing_key."""
+    """Return the names of a game's things by their keys, the latest last.
+
+    See tril.vocabulary.answers.thing_key. A name that was removed is empty.
+    """
     query = select(ThingNameRow).where(ThingNameRow.game == game).order_by(ThingNameRow.id)
-    names = {row.thing: row.name for row in session.scalars(query)}
-    return {thing: name for thing, name in names.items() if name}
+    names: dict[str, str] = {}
+    for row in session.scalars(query):
+        names.pop(row.thing, None)
+        names[row.thing] = row.name
+    return names
 
 
 def give(session: Session, game: str, thing: str, name: str, player_id: int | None = None) -> None:
@@ -24,17 +30,17 @@ def give(session: Session, game: str, thing: str, name: str, player_id: int | No
         session: The transaction.
         game: Name of the game.
         thing: Key of the thing.
-        name: The name; an empty one takes the former back.
+        name: The name; an empty one removes it.
         player_id: Player that names it.
 
     Raises:
         TextRefused: The name can't be accepted.
     """
     name = clean_line(name)
-    before = current(session, game).get(thing, "")
+    before = current(session, game).get(thing)
     if name == before:
         return
     session.add(ThingNameRow(game=game, thing=thing, name=name, player_id=player_id))
     session.flush()
-    subject = f"thing {thing} of {game}"
-    audit.note(session, audit.Action.RENAMED, player_id, subject, before=before, after=name)
+    names = {"before": before or "", "after": name}
+    audit.note(session, audit.Action.RENAMED, player_id, f"thing {thing}", game=game, **names)

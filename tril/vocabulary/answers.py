@@ -53,7 +53,7 @@ def subject_of(words: Vocabulary, group: Group) -> str:
 
 
 def thing_key(words: Vocabulary, index: int) -> str:
-    """Return what names a kind of things, PIECES or FORMATION in another vocabulary of the game."""
+    """Return the key of a kind of things, PIECES or FORMATION, in any vocabulary of the game."""
     if index in _WITHOUT_LOOK:
         return _WITHOUT_LOOK[index]
     return _kind(words.kinds[index])
@@ -63,9 +63,10 @@ def given_name(words: Vocabulary, index: int) -> str | None:
     """Return the name that a person gave to a kind of things, if any."""
     key = thing_key(words, index)
     if key in words.names:
-        return words.names[key]
-    # It was named when another of its looks was the most frequent one.
-    return next((name for old, name in words.names.items() if _known_look(words, old) == key), None)
+        return words.names[key] or None
+    # It was named when another of its looks was the most frequent one; the latest name counts.
+    given = [name for old, name in words.names.items() if _known_look(words, old) == key]
+    return given[-1] or None if given else None
 
 
 def known_subject(words: Vocabulary, subject: str) -> str:

@@ -38,7 +38,7 @@ from tril.vocabulary.memory import facts_of_byte, memory_groups, with_signs
 from tril.vocabulary.pieces import cells_of, find_pieces, gone_items, gone_pieces
 from tril.vocabulary.trace import Scene, Trace
 
-FORMAT_VERSION = 5
+FORMAT_VERSION = 6
 
 PLACE_BINS = 6
 LINE_BINS = 10
@@ -136,7 +136,7 @@ class Vocabulary:
 
     def with_names(self, names: Mapping[str, str]) -> Self:
         """Return the vocabulary with names that people gave to kinds of things."""
-        return replace(self, names=dict(names)) if names else self
+        return replace(self, names=dict(names))
 
     @cached_property
     def columns(self) -> tuple[npt.NDArray[np.int64], ...]:

@@ -219,14 +219,12 @@ class Followed:
         missing: Which items are not where they should be after each step, bool (n_steps, n_items).
         shifts: Pixels to the right and down from where it begins, int64 (n_steps, 2).
         is_found: Whether it is there, bool (n_steps,).
-        waves: Number of the wave, from 0, int64 (n_steps,).
     """
 
     formation: Formation
     missing: Mask
     shifts: npt.NDArray[np.int64]
     is_found: Mask
-    waves: npt.NDArray[np.int64]
 
     @property
     def are_there(self) -> Mask:
@@ -237,7 +235,7 @@ class Followed:
     @property
     def are_gone(self) -> Mask:
         """Which items are gone in each step, bool (n_steps, n_items)."""
-        return missing_for_good(self.missing, self.waves)
+        return missing_for_good(self.missing)
 
     def offset_to_nearest(
         self, x: npt.NDArray[np.float32], y: npt.NDArray[np.float32]
@@ -275,8 +273,6 @@ class Follower:
         self._missing: list[Mask] = []
         self._shifts: list[Shift] = []
         self._is_found: list[bool] = []
-        self._wave = 0
-        self._waves: list[int] = []
 
     def look(self, screen: Screen) -> None:
         """Look at the screen after a step, uint8 (height, width)."""
@@ -288,7 +284,6 @@ class Follower:
                 # The next wave begins where the first did.
                 left[:] = True
                 self._shift = begin[0]
-                self._wave += 1
         shift = self._best_shift(screen, pixels.some(left[pixels.item]))
         n_seen = np.bincount(pixels.item, pixels.seen(screen, shift[None])[0], minlength=len(left))
         missing: Mask = n_seen < SEEN_SHARE * areas
@@ -305,7 +300,6 @@ class Follower:
         self._missing.append(missing)
         self._shifts.append(self._shift)
         self._is_found.append(is_found)
-        self._waves.append(self._wave)
 
     def without_items(self, screen: Screen, background: Screen) -> Screen:
         """Return a screen on which the formation's items are as the background is.
@@ -335,7 +329,6 @@ class Follower:
             np.array(self._missing, np.bool_).reshape(n_steps, self._formation.n_items),
             np.array(self._shifts, np.int64).reshape(n_steps, 2),
             np.array(self._is_found, np.bool_),
-            np.array(self._waves, np.int64),
         )
 
     def _is_outside(self, screen: Screen) -> Mask:

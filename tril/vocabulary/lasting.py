@@ -9,6 +9,10 @@ Mask = npt.NDArray[np.bool_]
 
 LASTING_STEPS = 8
 """Half a second, for which a place has to look changed."""
+MOST_DIVING_STEPS = 120
+"""Eight seconds, after which what comes back was gone meanwhile."""
+MOST_DIVING = 3
+"""That come back within a second."""
 
 
 def lasting(changed: Mask) -> Mask:
@@ -23,21 +27,26 @@ def lasting(changed: Mask) -> Mask:
     return lasts
 
 
-def missing_for_good(missing: Mask, waves: npt.NDArray[np.int64]) -> Mask:
-    """Return where something is missing and does not come back, bool (n_steps, n_places).
+def missing_for_good(missing: Mask) -> Mask:
+    """Return where something is missing and does not soon come back, bool (n_steps, n_places).
 
-    What dives out of a formation and flies back to its place is not gone meanwhile.
+    What dives out of a formation and flies back to its place is not gone meanwhile. Where many
+    come back at once, as a new wave, all of them were gone.
 
     Args:
         missing: Where it is missing, of the same shape.
-        waves: Number of the wave of each step, int64 (n_steps,): in the next one all come back.
     """
-    gone = np.zeros_like(missing)
-    for wave in np.unique(waves):
-        own = slice(*np.searchsorted(waves, [wave, wave + 1]))
-        are_there = lasting(~missing[own])
-        # Whether it lasts is not known, and the first of the next wave may be there already.
-        are_there[max(len(are_there) - LASTING_STEPS + 1, 0) :] = False
-        come_back = np.logical_or.accumulate(are_there[::-1])[::-1]
-        gone[own] = lasting(missing[own]) & ~come_back
+    gone = lasting(missing)
+    are_there = lasting(~missing)
+    # Whether it would have lasted is not known at the end.
+    are_there[max(len(are_there) - LASTING_STEPS + 1, 0) :] = False
+    begins = are_there & ~np.roll(are_there, 1, 0)
+    begins[:1] = False
+    n_beginning = begins.sum(1)
+    for step, place in np.argwhere(begins):
+        before = np.flatnonzero(are_there[:step, place])
+        last = int(before[-1]) if len(before) else -1
+        around = slice(max(step - LASTING_STEPS, 0), step + LASTING_STEPS)
+        if step - last <= MOST_DIVING_STEPS and n_beginning[around].sum() <= MOST_DIVING:
+            gone[last + 1 : step, place] = False
     return gone

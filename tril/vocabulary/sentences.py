@@ -34,6 +34,8 @@ SURE_CORRELATION = 0.7
 ONE_COLOUR = 0.6
 """Share of the pieces that have a colour by which all are called."""
 
+_DETERMINERS = frozenset(("the", "a", "an", "my", "our", "your", "his", "her", "their"))
+
 GONE = ("gone", "gone x", "gone y")
 """Aspects of what is cleared."""
 
@@ -518,7 +520,7 @@ def kind_name(words: Vocabulary, index: int, game: Game) -> str:
     """Return what a kind of things is called: by a person, by the game, or by colour and size."""
     given = given_name(words, index)
     if given is not None:
-        return given if index in (PIECES, FORMATION) else _with_article(given)
+        return bare_name(given) if index in (PIECES, FORMATION) else _with_article(given)
     if index == PIECES:
         return pieces_name(words, game)
     if index == FORMATION:
@@ -536,8 +538,16 @@ def kind_name(words: Vocabulary, index: int, game: Game) -> str:
 
 def _with_article(name: str) -> str:
     """Return a thing's name as a sentence has it; proper names have no article."""
-    has_article = name.startswith(("the ", "my ", "a ", "an "))
-    return name if name[0].isupper() or has_article else f"the {name}"
+    bare = bare_name(name)
+    if bare != name:
+        return name[0].lower() + name[1:]
+    return name if name[0].isupper() else f"the {name}"
+
+
+def bare_name(name: str) -> str:
+    """Return a name without the article or possessive that it begins with."""
+    first, _, rest = name.partition(" ")
+    return rest if rest and first.lower() in _DETERMINERS else name
 
 
 def one_name(words: Vocabulary, index: int, game: Game) -> str:

@@ -381,26 +381,6 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/behaviours/{behaviour_id}/ranking/things/{kind}/name": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        /**
-         * Name Thing
-         * @description Name a kind of things, for all behaviours of the game; return the things.
-         */
-        put: operations["name_thing"];
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
     "/api/behaviours/{behaviour_id}/ranking/things/in-sight": {
         parameters: {
             query?: never;
@@ -414,6 +394,26 @@ export interface paths {
          */
         get: operations["list_things_in_sight"];
         put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/behaviours/{behaviour_id}/ranking/things/names": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Name Thing
+         * @description Name a kind of things, for all behaviours of the game; return the things.
+         */
+        put: operations["name_thing"];
         post?: never;
         delete?: never;
         options?: never;
@@ -2197,10 +2197,12 @@ export interface components {
         /**
          * @description A kind of things on the game's screen, and what may be meant of it.
          *
-         *     ``given`` is the name that somebody gave to it, ``name`` as sentences have it.
+         *     ``given`` is the name that somebody gave to it, ``name`` as sentences have it. ``key`` names it
+         *     in any vocabulary of the game.
          */
         NamedThing: {
             given: string | null;
+            key: string;
             kind: number;
             meanings: components["schemas"]["Meaning"][];
             name: string;
@@ -2926,8 +2928,9 @@ export interface components {
             top: number;
             width: number;
         };
-        /** @description A name for a kind of things; an empty one takes back the name that it was given. */
+        /** @description A name for a kind of things, by its key; an empty one removes the name that it was given. */
         ThingName: {
+            key: string;
             name: string;
         };
         /**
@@ -3860,41 +3863,6 @@ export interface operations {
             503: components["responses"]["503"];
         };
     };
-    name_thing: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                behaviour_id: number;
-                kind: number;
-            };
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["ThingName"];
-            };
-        };
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["NamedThings"];
-                };
-            };
-            400: components["responses"]["400"];
-            401: components["responses"]["401"];
-            403: components["responses"]["403"];
-            404: components["responses"]["404"];
-            409: components["responses"]["409"];
-            413: components["responses"]["413"];
-            422: components["responses"]["422"];
-            503: components["responses"]["503"];
-        };
-    };
     list_things_in_sight: {
         parameters: {
             query: {
@@ -3922,6 +3890,40 @@ export interface operations {
             401: components["responses"]["401"];
             403: components["responses"]["403"];
             404: components["responses"]["404"];
+            413: components["responses"]["413"];
+            422: components["responses"]["422"];
+            503: components["responses"]["503"];
+        };
+    };
+    name_thing: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                behaviour_id: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ThingName"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NamedThings"];
+                };
+            };
+            400: components["responses"]["400"];
+            401: components["responses"]["401"];
+            403: components["responses"]["403"];
+            404: components["responses"]["404"];
+            409: components["responses"]["409"];
             413: components["responses"]["413"];
             422: components["responses"]["422"];
             503: components["responses"]["503"];

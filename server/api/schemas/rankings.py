@@ -129,10 +129,12 @@ class Meaning(Schema):
 class NamedThing(Schema):
     """A kind of things on the game's screen, and what may be meant of it.
 
-    ``given`` is the name that somebody gave to it, ``name`` as sentences have it.
+    ``given`` is the name that somebody gave to it, ``name`` as sentences have it. ``key`` names it
+    in any vocabulary of the game.
     """
 
     kind: int
+    key: str
     name: str
     given: str | None
     picture: str | None
@@ -147,8 +149,9 @@ class NamedThings(Schema):
 
 
 class ThingName(Schema):
-    """A name for a kind of things; an empty one takes back the name that it was given."""
+    """A name for a kind of things, by its key; an empty one removes the name that it was given."""
 
+    key: str = Field(max_length=80)
     name: Line = Field(max_length=40)
 
 

@@ -196,11 +196,11 @@ def test_things_are_named_with_what_may_be_meant_of_them(learned: Learned) -> No
 def test_a_thing_is_named_for_all_behaviours_of_its_game(learned: Learned) -> None:
     client, workplace = learned.client, learned.workplace
     things = client.get(f"{RANKING}/things").json()["things"]
-    cannon, other = things[0]["kind"], things[1]["kind"]
+    cannon, other = things[0]["key"], things[1]["key"]
     assert things[0]["given"] is None
 
-    def rename(kind: int, name: str) -> Any:
-        return client.put(f"{RANKING}/things/{kind}/name", json={"name": name})
+    def rename(key: str, name: str) -> Any:
+        return client.put(f"{RANKING}/things/names", json={"key": key, "name": name})
 
     named = rename(cannon, " tank ").json()["things"][0]
     assert (named["name"], named["given"]) == ("the tank", "tank")
@@ -212,17 +212,20 @@ def test_a_thing_is_named_for_all_behaviours_of_its_game(learned: Learned) -> No
     told = understood(client, learned.games)["statements"]
     assert all("the tank" in one["sentence"] for one in told)
     assert answer(client, place, None) == []
-    taken = rename(other, "the tank")
-    assert taken.status_code == 409
-    assert "Another thing in this game is called the tank" in taken.text
-    assert rename(250, "nothing").status_code == 404
+    for name in ("the tank", "Tank", "my  TANK"):
+        assert rename(other, name).status_code == 409
+    assert "is called “the tank”" in rename(other, "the tank").json()["detail"]
+    assert rename("250:1-2x1-2", "nothing").status_code == 404
+    # A name can always be removed.
+    assert rename(other, "rock").status_code == 200
+    assert rename(other, "").status_code == 200
     assert rename(cannon, "x" * 41).status_code == 422
     # Names like these would make a sentence unreadable.
     assert rename(cannon, "a\u202eb").status_code == 422
     assert rename(cannon, "").json()["things"][0]["name"] == "the cannon"
     with workplace.database.reading() as session:
         kept = session.scalars(select(ThingNameRow).order_by(ThingNameRow.id)).all()
-    assert [row.name for row in kept] == ["tank", ""]
+    assert [row.name for row in kept] == ["tank", "rock", "", ""]
 
 
 def test_things_in_sight_have_boxes_on_the_screen(learned: Learned) -> None:

@@ -243,6 +243,20 @@ def test_a_reward_that_misreads_the_imitators_games_is_told(read: float, tone: s
     assert ("they are worth 95%" in said.details) == (tone == "fair")
 
 
+def test_a_misread_game_is_no_better_for_it() -> None:
+    for imitator, clone, tone in ((-0.40, 0.40, "bad"), (0.20, 0.40, "bad"), (0.45, 0.40, "fair")):
+        understood = shares(imitator, clone, 0.72).model_copy(
+            update={"read": Interval(0.95, 0.93, 0.97, 20)}
+        )
+        said = verdict(by_statement(understood))
+        assert said.tone == tone
+        assert "read off the screen, they are worth 95%" in said.details
+    nothing = shares(-0.40, 0.40, 0.72).model_copy(
+        update={"read": Interval(-0.02, -0.03, -0.01, 20)}
+    )
+    assert "overrates" not in verdict(by_statement(nothing)).details
+
+
 @pytest.mark.parametrize(
     ("met", "said_of_it", "tone"),
     [

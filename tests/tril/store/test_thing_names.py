@@ -22,7 +22,10 @@ def test_the_latest_name_of_a_thing_counts_and_all_are_kept(workplace: Workplace
         thing_names.give(session, "pong", "pieces", "")
         thing_names.give(session, "freeway", BALL, "hen")
     with workplace.database.reading() as session:
-        assert thing_names.current(session, "pong") == {BALL: "puck"}
+        assert thing_names.current(session, "pong") == {
+            BALL: "puck",
+            "pieces": "",
+        }
         assert thing_names.current(session, "freeway") == {BALL: "hen"}
         assert thing_names.current(session, "boxing") == {}
         rows = session.scalars(select(ThingNameRow.name).order_by(ThingNameRow.id)).all()
@@ -30,7 +33,7 @@ def test_the_latest_name_of_a_thing_counts_and_all_are_kept(workplace: Workplace
         assert rows == ["ball", "puck", "crumbs", "", "hen"]
         noted = audit.page(session)[3]
         assert noted.action == audit.Action.RENAMED
-        assert noted.details == {"before": "ball", "after": "puck"}
+        assert noted.details == {"game": "pong", "before": "ball", "after": "puck"}
 
 
 def test_a_name_that_cannot_be_shown_is_refused(workplace: Workplace) -> None:

@@ -72,11 +72,20 @@ def test_a_thing_is_called_by_the_name_that_a_person_gave_it(words: Vocabulary) 
     pong = game_named("pong")
     steered = thing_key(words, 0)
     assert steered == "40:8-8x6-6"
-    for name, shown in (("bat", "the bat"), ("the bat", "the bat"), ("my bat", "my bat"), ("Bob", "Bob")):
+    for name, shown in (
+        ("bat", "the bat"),
+        ("the bat", "the bat"),
+        ("My bat", "my bat"),
+        ("Bob", "Bob"),
+    ):
         assert kind_name(words.with_names({steered: name}), 0, pong) == shown
         assert kind_name(words.with_names({steered: name}), 1, pong) == kind_name(words, 1, pong)
     # It was named by an earlier vocabulary, in which another of its looks was the most frequent.
     assert kind_name(words.with_names({"40:7-9x5-6": "bat"}), 0, pong) == "the bat"
+    # The latest name counts, under whichever look, and an empty one removes it.
+    older = {"40:7-9x5-6": "bat", "40:8-9x6-6": "club"}
+    assert kind_name(words.with_names(older), 0, pong) == "the club"
+    assert kind_name(words.with_names(older | {steered: ""}), 0, pong) == "what you steer"
     # A name of what this vocabulary does not have.
     assert kind_name(words.with_names({"99:1-2x1-2": "bat"}), 0, pong) == "what you steer"
 

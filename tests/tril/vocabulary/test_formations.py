@@ -30,7 +30,7 @@ from tril.vocabulary.making import vocabulary_of
 from tril.vocabulary.pictures import pictures_of
 from tril.vocabulary.pieces import gone_items
 from tril.vocabulary.pointing import meanings_of
-from tril.vocabulary.sentences import kind_name, phrase, tell
+from tril.vocabulary.sentences import kind_name, one_name, phrase, tell
 from tril.vocabulary.trace import Scene, Trace, trace
 from tril.vocabulary.understanding import understand
 from tril.vocabulary.watched import things_of
@@ -215,11 +215,23 @@ def test_what_is_hit_does_not_come_back_with_the_next_wave(formation: Formation)
     follower = Follower(formation)
     for step in range(90):
         follower.look(draw(gone=range(min(step // 4, N_ITEMS - 4))) if step < 70 else draw())
-    followed = follower.followed
-    assert np.unique(followed.waves).tolist() == [0, 1]
-    gone = gone_items(followed).is_gone
-    assert gone[:70].sum(0).tolist() == [*range(66, 22, -4), *[0] * 4]
+    gone = gone_items(follower.followed).is_gone
+    # Those of the half of a second before are not told from what passed before them.
+    assert gone[:63].sum(0).tolist() == [*range(59, 15, -4), *[0] * 4]
     assert not gone[70:].any()
+
+
+def test_what_comes_back_late_or_with_many_others_was_gone(formation: Formation) -> None:
+    follower = Follower(formation)
+    # Two that a missile hides for a while long after they were hit, and five of fifteen that come
+    # back together before half are gone.
+    for step in range(240):
+        hit = {0, 1} if step >= 4 and not 200 <= step < 212 else set()
+        follower.look(draw(gone=hit | ({5, 6, 7, 8} if 20 <= step < 60 else set())))
+    gone = gone_items(follower.followed).is_gone
+    assert gone[4:193, :2].all()
+    assert gone[20:53, 5:9].all()
+    assert not gone[60:, 5:9].any()
 
 
 def test_things_at_the_edge_are_as_large_as_others() -> None:
@@ -330,7 +342,10 @@ def test_a_part_of_a_formation_is_told_by_its_lines(
     told = phrase(words, group, np.array(weights, np.float64), game)
     assert told.text == f"more aliens cleared {where}"
     assert kinds_about(words, [subject_of(words, group)]) == (FORMATION,)
-    assert kind_name(words, FORMATION, game_named("pong")) == "things in formation"
+    pong = game_named("pong")
+    assert kind_name(words, FORMATION, pong) == "things in formation"
+    named = words.with_names({"formation": "the ships"})
+    assert one_name(named, FORMATION, pong) == "the nearest of the ships"
 
 
 def test_what_is_cleared_only_in_a_part_is_told_so(words: Vocabulary) -> None:

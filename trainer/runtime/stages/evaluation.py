@@ -164,6 +164,14 @@ def understood_shares(data: RunData, games: Sequence[EvaluationRow]) -> Understo
         return interval(shares) if shares else None
 
     def share_read() -> Interval | None:
+        seen = [
+            model.level(model.score(one.observations[1 : max_steps + 1]))
+            for one in data.perfect_trajectories
+        ]
+        # As it reads the best ones, so that only a difference between games counts.
+        unit_read = float(np.concatenate(seen).mean())
+        if unit_read <= 0:
+            return None
         shares = []
         for row in evaluations.headline_games(games, "imitator"):
             if row.predicted_return is None:
@@ -172,7 +180,7 @@ def understood_shares(data: RunData, games: Sequence[EvaluationRow]) -> Understo
             opening = _opening_steps(data, row)
             n_steps = evaluations.figures_of(row).steps - opening
             total = model.total_level(row.predicted_return, n_steps)
-            shares.append(total / unit / (max_steps - opening))
+            shares.append(total / unit_read / (max_steps - opening))
         return interval(shares) if shares else None
 
     of_best = [float(of_game.sum()) / unit / max_steps for of_game in best]

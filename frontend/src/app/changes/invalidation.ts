@@ -29,6 +29,7 @@ export function staleKeys({ topic, key }: Change): QueryKey[] {
         ["ranking", Number(key)],
         ["opinion", Number(key)],
         ["understanding", Number(key)],
+        ["things", Number(key)],
         ["recordings", Number(key)],
         ["behaviours"],
       ];

@@ -26,25 +26,27 @@ export function ThingNameForm({ behaviourId, thing, onClose }: ThingNameFormProp
   const { mutate, isPending, error } = useMutation({
     mutationFn: () =>
       unwrap(
-        api.PUT("/api/behaviours/{behaviour_id}/ranking/things/{kind}/name", {
-          params: { path: { behaviour_id: behaviourId, kind: thing.kind } },
-          body: { name: name.trim() },
+        api.PUT("/api/behaviours/{behaviour_id}/ranking/things/names", {
+          params: { path: { behaviour_id: behaviourId } },
+          body: { key: thing.key, name: name.trim() },
         }),
       ),
     onSuccess: async (named) => {
       client.setQueryData(thingsQuery(behaviourId).queryKey, named);
       onClose();
-      // All behaviours of the game share the names.
-      await Promise.all(
-        ["understanding", "things"].map((queryKey) =>
-          client.invalidateQueries({ queryKey: [queryKey] }),
-        ),
-      );
+      // Other behaviours of the game hear of it by the event stream.
+      await client.invalidateQueries({ queryKey: ["understanding", behaviourId] });
     },
   });
   return (
     <form
       className={styles.naming}
+      onKeyDown={(event) => {
+        if (event.key !== "Escape") return;
+        // The dialog stays.
+        event.preventDefault();
+        onClose();
+      }}
       onSubmit={(event) => {
         event.preventDefault();
         if (!isPending) mutate();
@@ -54,8 +56,8 @@ export function ThingNameForm({ behaviourId, thing, onClose }: ThingNameFormProp
         label={t`Name`}
         hint={
           thing.given === null
-            ? t`Such as “ball”. Every behaviour of this game uses it.`
-            : t`Empty for Tril’s own name. Every behaviour of this game uses it.`
+            ? t`For example “ball”. All behaviours of this game share the name.`
+            : t`Leave it empty to use Tril’s own name. All behaviours of this game share the name.`
         }
         error={error && messageOf(error)}
       >

@@ -20,7 +20,7 @@ export function thingsQuery(behaviourId: number) {
 /** The things on the screen after a step of a recording, the largest first. */
 export function inSightQuery(behaviourId: number, recordingId: number, step: number) {
   return queryOptions({
-    queryKey: ["things", behaviourId, "in sight", recordingId, step],
+    queryKey: ["in sight", behaviourId, recordingId, step],
     queryFn: ({ signal }) =>
       unwrap(
         api.GET("/api/behaviours/{behaviour_id}/ranking/things/in-sight", {

@@ -17,8 +17,15 @@ const BALLS = { subjects: ["thing 2 count"], sentence: "more or fewer of the bal
 const TIME = { subjects: ["time played"], sentence: "the game going on longer or less long" };
 const NAMED: NamedThings = {
   things: [
-    { kind: 1, name: "what you steer", given: null, picture: "/1.png", meanings: [PLACE] },
-    { kind: 4, name: "the ball", given: null, picture: null, meanings: [BALLS] },
+    {
+      kind: 1,
+      key: "40:1-2x3-4",
+      name: "what you steer",
+      given: null,
+      picture: "/1.png",
+      meanings: [PLACE],
+    },
+    { kind: 4, key: "14:2-2x2-2", name: "the ball", given: null, picture: null, meanings: [BALLS] },
   ],
   others: [TIME],
 };
@@ -47,7 +54,7 @@ function open(named: () => unknown = () => NAMED, rename: () => unknown = () => 
   let things = named;
   const asked = serve({
     "GET /api/behaviours/1/ranking/things": () => things(),
-    "PUT /api/behaviours/1/ranking/things/4/name": () => {
+    "PUT /api/behaviours/1/ranking/things/names": () => {
       const answer = rename();
       if (!(answer instanceof Refusal)) things = rename;
       return answer;
@@ -127,12 +134,12 @@ describe("pointing at a thing", () => {
     expect(title).toHaveFocus();
     expect(screen.getByRole("button", { name: "more or fewer of the puck" })).toBeVisible();
     expect(asked.filter(({ method }) => method === "PUT").map(({ body }) => body)).toEqual([
-      { name: "puck" },
+      { key: "14:2-2x2-2", name: "puck" },
     ]);
     await userEvent.click(screen.getByRole("button", { name: "Rename" }));
     expect(screen.getByRole("textbox", { name: "Name" })).toHaveValue("puck");
-    expect(screen.getByText(/Empty for Tril’s own name/)).toBeVisible();
-    await userEvent.click(screen.getByRole("button", { name: "Cancel" }));
+    expect(screen.getByText(/Leave it empty to use Tril’s own name/)).toBeVisible();
+    await userEvent.keyboard("{Escape}");
     expect(screen.getByRole("heading", { name: "the puck" })).toHaveFocus();
   });
 
