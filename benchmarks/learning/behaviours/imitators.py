@@ -293,7 +293,10 @@ class Taught:
             "steps": steps,
             **learned,
             **{player: games.figures() for player, games in judged.items()},
-            **self._read(model, dataset, judged["imitator"].games),
+            **{
+                f"{player}_levels": self._levels(model, dataset, judged[player].games)
+                for player in ("imitator", "clone")
+            },
             "best_efforts": float(self.worth[self.best].mean()),
             "ranked_games": float(self.worth[self.ranked].mean()),
             "reward_s": round(reward_s),
@@ -302,9 +305,9 @@ class Taught:
         }
         return figures, judged
 
-    def _read(
+    def _levels(
         self, model: RewardModel, dataset: PreferenceDataset, games: Sequence[EvaluatedGame]
-    ) -> dict[str, Any]:
+    ) -> dict[str, float]:
         """Return levels of games in sum: by the facts of their replays, and read off the screen."""
         if self.reward == "truth" or self.recipe.reward.method != "statement":
             return {}
@@ -315,9 +318,9 @@ class Taught:
             by_facts.append(float(levels_of_facts(model, understanding, facts).sum()))
             read.append(float(model.level(model.score(seen.observations[1:])).sum()))
         return {
-            "level_by_facts": float(np.mean(by_facts)),
-            "level_read": float(np.mean(read)),
-            "level_correlation": float(np.corrcoef(by_facts, read)[0, 1]),
+            "by_facts": float(np.mean(by_facts)),
+            "read": float(np.mean(read)),
+            "correlation": float(np.corrcoef(by_facts, read)[0, 1]),
         }
 
     def _told(self, dataset: PreferenceDataset) -> list[str]:
