@@ -66,6 +66,8 @@ def train_imitator(
 ) -> ImitatorResult:
     """Train an imitator by PPO and save its best snapshot.
 
+    The policy of a warm start is one of them, so that what is saved is no worse by the reward.
+
     With the recipe's method "gail", a discriminator of the perfect demonstrations takes the place
     of the learned reward and learns after each rollout.
 
@@ -287,6 +289,9 @@ class _TrainingCallback(BaseCallback):
                 ppo.start_policy = start
             if not ppo.num_timesteps:
                 ppo.policy.load_state_dict(self._initial_policy(start).state_dict())
+                if self._discriminator is None:
+                    # PPO may lose what its start has learned; GAIL's reward changes by then.
+                    self._compete()
         self._reporter.on_step()
 
     def _initial_policy(self, start: ScreenPolicy) -> ScreenPolicy:
@@ -321,11 +326,15 @@ class _TrainingCallback(BaseCallback):
         """Do what is due after the last rollout."""
         if self._rollouts:
             self._finish_rollout()
-        if not self.snapshots:
+        if not any(snapshot.steps for snapshot in self.snapshots):
             self._take_snapshot()
         self._save()
 
     def _take_snapshot(self) -> None:
+        """Evaluate the policy, keep it if it is the best, and show it."""
+        self._on_snapshot(self._compete())
+
+    def _compete(self) -> Snapshot:
         """Evaluate the policy and keep it if it is the best."""
         policy, steps = self._ppo.policy, self._ppo.num_timesteps
         policy.set_training_mode(False)
@@ -336,7 +345,7 @@ class _TrainingCallback(BaseCallback):
         self.snapshots.append(SnapshotScore(steps, predicted_return))
         if best_snapshot(self.snapshots).steps == steps:
             save_policy(policy, self._folder / _BEST)
-        self._on_snapshot(Snapshot(policy, steps, games))
+        return Snapshot(policy, steps, games)
 
     def _save(self) -> None:
         extra: dict[str, Any] = {

@@ -60,7 +60,7 @@ def test_the_best_snapshot_by_the_learned_reward_is_saved(
     task: ImitationTask, finished: FinishedTraining
 ) -> None:
     snapshots = finished.result.snapshots
-    assert [snapshot.steps for snapshot in snapshots] == [64, 128]
+    assert [snapshot.steps for snapshot in snapshots] == [0, 64, 128]
     best = max(snapshots, key=lambda snapshot: (snapshot.predicted_return, snapshot.steps))
     assert finished.result.best_steps == best.steps
     games = play(
@@ -73,6 +73,25 @@ def test_the_best_snapshot_by_the_learned_reward_is_saved(
     shaping = RewardShaping.of(task.model, task.recipe.policy)
     returns = [shaping.shaped_return(g.rewards, g.died) for g in games if g.rewards is not None]
     assert np.mean(returns) == pytest.approx(best.predicted_return, rel=1e-3, abs=1e-2)
+
+
+def test_a_training_that_makes_the_policy_worse_ends_with_its_start(
+    task: ImitationTask, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    returns = iter((3.0, 2.0, 1.0))
+    monkeypatch.setattr(imitator, "evaluate_snapshot", lambda *_: (next(returns), []))
+    scratch, saved = tmp_path / "scratch", tmp_path / "imitator.zip"
+    scratch.mkdir()
+    shown: list[int] = []
+    result = train_imitator(
+        task, saved, scratch, NullProgress(), on_snapshot=lambda taken: shown.append(taken.steps)
+    )
+    assert result.best_steps == 0
+    # Only what has learned something is shown.
+    assert shown == [64, 128]
+    assert task.start_policy is not None
+    start, ended = load_network(task.start_policy), load_network(saved)
+    assert same(start.state_dict(), ended.state_dict())
 
 
 @pytest.mark.parametrize("cancel_at", [45, 62])
