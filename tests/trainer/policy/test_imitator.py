@@ -94,7 +94,8 @@ def test_a_training_that_makes_the_policy_worse_ends_with_its_start(
     assert same(start.state_dict(), ended.state_dict())
 
 
-@pytest.mark.parametrize("cancel_at", [45, 62])
+# While its start is judged, and twice while its first snapshot is.
+@pytest.mark.parametrize("cancel_at", [45, 163, 180])
 def test_an_interrupted_training_ends_with_the_same_weights(
     finished: FinishedTraining, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cancel_at: int
 ) -> None:
