@@ -1,7 +1,7 @@
 import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
-import { useState } from "react";
+import { useLayoutEffect, useRef, useState } from "react";
 
 import { api, messageOf, unwrap } from "@/api/client";
 import type { NamedThing } from "@/api/types";
@@ -22,6 +22,9 @@ const MAX_LENGTH = 40;
 /** Names a thing: what Tril says of it from then on has this name. */
 export function ThingNameForm({ behaviourId, thing, onClose }: ThingNameFormProps) {
   const client = useQueryClient();
+  const input = useRef<HTMLInputElement>(null);
+  // Who asked for it writes next.
+  useLayoutEffect(() => input.current?.focus(), []);
   const [name, setName] = useState(thing.given ?? "");
   const { mutate, isPending, error } = useMutation({
     mutationFn: () =>
@@ -41,12 +44,6 @@ export function ThingNameForm({ behaviourId, thing, onClose }: ThingNameFormProp
   return (
     <form
       className={styles.naming}
-      onKeyDown={(event) => {
-        if (event.key !== "Escape") return;
-        // The dialog stays.
-        event.preventDefault();
-        onClose();
-      }}
       onSubmit={(event) => {
         event.preventDefault();
         if (!isPending) mutate();
@@ -64,10 +61,16 @@ export function ThingNameForm({ behaviourId, thing, onClose }: ThingNameFormProp
         {(control) => (
           <input
             {...control}
-            autoFocus
+            ref={input}
             value={name}
             maxLength={MAX_LENGTH}
             onChange={(event) => setName(event.currentTarget.value)}
+            onKeyDown={(event) => {
+              if (event.key !== "Escape") return;
+              // The dialog stays.
+              event.preventDefault();
+              onClose();
+            }}
           />
         )}
       </Field>
