@@ -316,7 +316,12 @@ describe("what a result says", () => {
 
   it("has what Tril understood first where nothing measures the behaviour", () => {
     const share = (mean: number) => ({ mean, low: mean - 0.1, high: mean + 0.1, n: 23 });
-    const understood = { imitator: share(0.88), clone: share(-0.02), best: share(0.31), read: null };
+    const understood = {
+      imitator: share(0.88),
+      clone: share(-0.02),
+      best: share(0.31),
+      read: null,
+    };
     const elsewhere = { imitator: share(0.42), clone: null, best: null };
     const understoodRun = run({ ...ONE, headline: headline({ understood, elsewhere }) });
     const shown = results(understoodRun, { check: CHECK });
