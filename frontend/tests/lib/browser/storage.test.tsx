@@ -7,11 +7,11 @@ import { denyStorage } from "../../support/storage";
 
 describe("storage", () => {
   it("keeps what is written until it is removed", () => {
-    ofTab.write("tril.test", "1");
-    expect(ofTab.read("tril.test")).toBe("1");
-    expect(sessionStorage.getItem("tril.test")).toBe("1");
-    ofTab.remove("tril.test");
-    expect(ofTab.read("tril.test")).toBeNull();
+    ofTab.write("tril.storage", "1");
+    expect(ofTab.read("tril.storage")).toBe("1");
+    expect(sessionStorage.getItem("tril.storage")).toBe("1");
+    ofTab.remove("tril.storage");
+    expect(ofTab.read("tril.storage")).toBeNull();
   });
 });
 
@@ -23,11 +23,11 @@ describe("storage that is denied", () => {
   afterEach(() => allow());
 
   it.each([ofBrowser, ofTab])("keeps values until the page is closed", (storage) => {
-    expect(storage.read("tril.test")).toBeNull();
-    storage.write("tril.test", "1");
-    expect(storage.read("tril.test")).toBe("1");
-    storage.remove("tril.test");
-    expect(storage.read("tril.test")).toBeNull();
+    expect(storage.read("tril.storage")).toBeNull();
+    storage.write("tril.storage", "1");
+    expect(storage.read("tril.storage")).toBe("1");
+    storage.remove("tril.storage");
+    expect(storage.read("tril.storage")).toBeNull();
   });
 
   it("leaves notifications off", () => {
