@@ -74,7 +74,11 @@ def statement_pictures(
 def list_things(request: Request, behaviour_id: BehaviourId) -> NamedThings:
     """Return the meanings to choose from, by kind of thing, and those that belong to no thing."""
     services = services_of(request)
-    return _named_things(services, behaviour_id)
+    game = _game_of(services, behaviour_id)
+    words = Vocabulary.load(_vocabulary(services, game))
+    with services.database.reading() as session:
+        names = thing_names.current(session, game.name)
+    return _named_things(services, behaviour_id, game, words.with_names(names))
 
 
 @router.put("/names", responses=NOT_FOUND | CONFLICT)
@@ -103,7 +107,7 @@ def name_thing(
         for row in behaviours.listing(session):
             if row.game == game.name:
                 note_change(session, "ranking", row.id)
-    return _named_things(services, behaviour_id)
+    return _named_things(services, behaviour_id, game, words)
 
 
 def _names(words: Vocabulary, kind: int, game: Game) -> set[str]:
@@ -112,11 +116,9 @@ def _names(words: Vocabulary, kind: int, game: Game) -> set[str]:
     return {folded(bare_name(name)) for name in names}
 
 
-def _named_things(services: Services, behaviour_id: int) -> NamedThings:
-    game = _game_of(services, behaviour_id)
-    with services.database.reading() as session:
-        names = thing_names.current(session, game.name)
-    words = Vocabulary.load(_vocabulary(services, game)).with_names(names)
+def _named_things(
+    services: Services, behaviour_id: int, game: Game, words: Vocabulary
+) -> NamedThings:
     meanings: dict[int | None, list[Meaning]] = defaultdict(list)
     for pointed in meanings_of(words, game):
         meanings[pointed.kind].append(

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tril.games.base import Screen
-from tril.vocabulary.lasting import LASTING_STEPS, Mask, lasting, missing_for_good
+from tril.vocabulary.lasting import LASTING_STEPS, Mask, lasting
 
 FORMATION = 254
 """Stands for the formation where things are named by the index of their kind."""
@@ -231,11 +231,6 @@ class Followed:
         """Which items are seen in each step, bool (n_steps, n_items)."""
         there: Mask = ~self.missing & self.is_found[:, None]
         return there
-
-    @property
-    def are_gone(self) -> Mask:
-        """Which items are gone in each step, bool (n_steps, n_items)."""
-        return missing_for_good(self.missing)
 
     def offset_to_nearest(
         self, x: npt.NDArray[np.float32], y: npt.NDArray[np.float32]

@@ -10,9 +10,9 @@ Mask = npt.NDArray[np.bool_]
 LASTING_STEPS = 8
 """Half a second, for which a place has to look changed."""
 MOST_DIVING_STEPS = 120
-"""Eight seconds, after which what comes back was gone meanwhile."""
+"""Eight seconds: an item that comes back later was gone meanwhile."""
 MOST_DIVING = 3
-"""That come back within a second."""
+"""Items that come back within a second; more of them are a new wave."""
 
 
 def lasting(changed: Mask) -> Mask:

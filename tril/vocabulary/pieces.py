@@ -17,7 +17,7 @@ from tril.games.base import Screen
 from tril.vocabulary.formations import Followed
 from tril.vocabulary.groups import Group, binned
 from tril.vocabulary.kinds import Array
-from tril.vocabulary.lasting import Mask, lasting
+from tril.vocabulary.lasting import Mask, lasting, missing_for_good
 from tril.vocabulary.trace import Trace, sampled, strides_of
 
 PIECES = 255
@@ -154,7 +154,7 @@ def gone_pieces(played: Trace, pieces: Mask) -> Gone:
 def gone_items(followed: Followed) -> Gone:
     """Return what of a formation is gone in a game, by column and row at the beginning."""
     columns, rows = followed.formation.lines
-    return Gone(followed.are_gone, columns, rows)
+    return Gone(missing_for_good(followed.missing), columns, rows)
 
 
 @dataclass(frozen=True, eq=False)

@@ -293,10 +293,7 @@ class Taught:
             "steps": steps,
             **learned,
             **{player: games.figures() for player, games in judged.items()},
-            **{
-                f"{player}_levels": self._levels(model, dataset, judged[player].games)
-                for player in ("imitator", "clone")
-            },
+            **self._levels(model, dataset, judged),
             "best_efforts": float(self.worth[self.best].mean()),
             "ranked_games": float(self.worth[self.ranked].mean()),
             "reward_s": round(reward_s),
@@ -306,22 +303,25 @@ class Taught:
         return figures, judged
 
     def _levels(
-        self, model: RewardModel, dataset: PreferenceDataset, games: Sequence[EvaluatedGame]
-    ) -> dict[str, float]:
-        """Return levels of games in sum: by the facts of their replays, and read off the screen."""
+        self, model: RewardModel, dataset: PreferenceDataset, judged: Mapping[str, Judged]
+    ) -> dict[str, dict[str, float]]:
+        """Return each policy's sums of levels: by facts of replays, and read off the screen."""
         if self.reward == "truth" or self.recipe.reward.method != "statement":
             return {}
         understanding = understanding_of(dataset)
-        by_facts, read = [], []
-        for one in games:
-            seen, facts = self._observed(one.recording)
-            by_facts.append(float(levels_of_facts(model, understanding, facts).sum()))
-            read.append(float(model.level(model.score(seen.observations[1:])).sum()))
-        return {
-            "by_facts": float(np.mean(by_facts)),
-            "read": float(np.mean(read)),
-            "correlation": float(np.corrcoef(by_facts, read)[0, 1]),
-        }
+        levels = {}
+        for policy in ("imitator", "clone"):
+            by_facts, read = [], []
+            for game in judged[policy].games:
+                seen, facts = self._observed(game.recording)
+                by_facts.append(float(levels_of_facts(model, understanding, facts).sum()))
+                read.append(float(model.level(model.score(seen.observations[1:])).sum()))
+            levels[f"{policy}_levels"] = {
+                "by_facts": float(np.mean(by_facts)),
+                "read": float(np.mean(read)),
+                "correlation": float(np.corrcoef(by_facts, read)[0, 1]),
+            }
+        return levels
 
     def _told(self, dataset: PreferenceDataset) -> list[str]:
         if self.recipe.reward.method != "statement":

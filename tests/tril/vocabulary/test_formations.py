@@ -198,7 +198,7 @@ def test_what_walks_off_the_screen_is_not_hit(formation: Formation) -> None:
     assert np.flatnonzero(gone_items(followed).is_gone[30]).tolist() == [7]
 
 
-def test_what_dives_and_comes_back_is_not_gone(formation: Formation) -> None:
+def test_an_item_that_dives_is_not_gone(formation: Formation) -> None:
     follower = Follower(formation)
     for step in range(100):
         diving = {4} if 10 <= step < 60 else set()
@@ -211,7 +211,7 @@ def test_what_dives_and_comes_back_is_not_gone(formation: Formation) -> None:
     assert gone[:, 7].argmax() == 30
 
 
-def test_what_is_hit_does_not_come_back_with_the_next_wave(formation: Formation) -> None:
+def test_items_hit_before_the_next_wave_stay_gone(formation: Formation) -> None:
     follower = Follower(formation)
     for step in range(90):
         follower.look(draw(gone=range(min(step // 4, N_ITEMS - 4))) if step < 70 else draw())
@@ -221,7 +221,7 @@ def test_what_is_hit_does_not_come_back_with_the_next_wave(formation: Formation)
     assert not gone[70:].any()
 
 
-def test_what_comes_back_late_or_with_many_others_was_gone(formation: Formation) -> None:
+def test_items_that_return_late_or_together_were_gone(formation: Formation) -> None:
     follower = Follower(formation)
     # Two that a missile hides for a while long after they were hit, and five of fifteen that come
     # back together before half are gone.

@@ -23,7 +23,7 @@ const MAX_LENGTH = 40;
 export function ThingNameForm({ behaviourId, thing, onClose }: ThingNameFormProps) {
   const client = useQueryClient();
   const input = useRef<HTMLInputElement>(null);
-  // Who asked for it writes next.
+  // The person is about to type.
   useLayoutEffect(() => input.current?.focus(), []);
   const [name, setName] = useState(thing.given ?? "");
   const { mutate, isPending, error } = useMutation({
