@@ -291,7 +291,7 @@ class _TrainingCallback(BaseCallback):
                 ppo.policy.load_state_dict(self._initial_policy(start).state_dict())
                 if self._discriminator is None:
                     # PPO may lose what its start has learned; GAIL's reward changes by then.
-                    self._compete()
+                    self._evaluate()
         self._reporter.on_step()
 
     def _initial_policy(self, start: ScreenPolicy) -> ScreenPolicy:
@@ -332,9 +332,9 @@ class _TrainingCallback(BaseCallback):
 
     def _take_snapshot(self) -> None:
         """Evaluate the policy, keep it if it is the best, and show it."""
-        self._on_snapshot(self._compete())
+        self._on_snapshot(self._evaluate())
 
-    def _compete(self) -> Snapshot:
+    def _evaluate(self) -> Snapshot:
         """Evaluate the policy and keep it if it is the best."""
         policy, steps = self._ppo.policy, self._ppo.num_timesteps
         policy.set_training_mode(False)

@@ -2980,9 +2980,10 @@ export interface components {
          *         imitator: The imitator's games, those of the headline; None if it has played none.
          *         clone: The clone's.
          *         best: The perfect demonstrations, or the best ranked ones that stand in for them.
-         *         read: The imitator's games by the reward network, which reads these facts off the screen and
-         *             is what the imitator has learned from; None if it has played none. Runs of earlier
-         *             versions have no figure of it, and those above are by the network.
+         *         read: The imitator's games by the network that it has learned from, which reads these facts
+         *             off the screen, compared with its reading of the best ones. None if the imitator has
+         *             played none, or these read as nothing. Runs of earlier versions have no figure of it,
+         *             and those above are by the network.
          */
         UnderstoodShares: {
             best: components["schemas"]["Interval"];
