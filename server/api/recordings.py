@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 import os
 import tempfile
+from contextlib import suppress
 from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, Query, Request
+from fastapi import APIRouter, BackgroundTasks, Query, Request
 from sqlalchemy.orm import Session
 from starlette.background import BackgroundTask
 from starlette.responses import FileResponse, Response
@@ -36,10 +37,13 @@ from server.dependencies import (
     services_of,
 )
 from server.replay_cache import version_of
+from server.services import Services
 from server.web.permissions import RESEARCHERS_MEMBERS
 from server.web.problems import CONFLICT, NOT_FOUND
 from tril.errors import NotFound
 from tril.exchange import recording_transfer
+from tril.games import UnknownGame, game_of
+from tril.games.behaviours import Behaviour
 from tril.store import audit, behaviours, library, recordings
 from tril.store.access.credentials import Identity
 from tril.store.models import RecordingRow
@@ -259,11 +263,29 @@ def delete_recording(session: WriteSession, identity: Who, recording_id: Recordi
 
 
 @router.post("/recordings/{recording_id}/keep", responses=NOT_FOUND | CONFLICT)
-def keep_recording(session: WriteSession, identity: Who, recording_id: RecordingId) -> Recording:
-    """Put a finished game into the library."""
+def keep_recording(
+    request: Request,
+    background: BackgroundTasks,
+    session: WriteSession,
+    identity: Who,
+    recording_id: RecordingId,
+) -> Recording:
+    """Put a finished game into the library.
+
+    Where it is to be ranked by statements, Tril learns to see the game while more are played.
+    """
     row = recordings.get(session, recording_id)
     recordings.keep(session, row)
+    behaviour = behaviours.as_behaviour(behaviours.get(session, row.behaviour_id))
+    if behaviour.target is None:
+        background.add_task(_learn_to_see, services_of(request), behaviour)
     return RecordingViews(session, identity).view(row)
+
+
+def _learn_to_see(services: Services, behaviour: Behaviour) -> None:
+    # A game whose package is gone has nothing more to be seen.
+    with suppress(UnknownGame):
+        services.vocabularies.vocabulary(game_of(behaviour))
 
 
 @router.post("/recordings/{recording_id}/discard", responses=NOT_FOUND | CONFLICT)

@@ -1119,6 +1119,8 @@ export interface paths {
         /**
          * Keep Recording
          * @description Put a finished game into the library.
+         *
+         *     Where it is to be ranked by statements, Tril learns to see the game while more are played.
          */
         post: operations["keep_recording"];
         delete?: never;

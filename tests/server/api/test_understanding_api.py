@@ -22,7 +22,7 @@ from tril.analysis.outcome import ToldStatement
 from tril.demonstrators import play_randomly
 from tril.games.space_invaders import SPACE_INVADERS
 from tril.store import recordings
-from tril.store.models import AuditRow, Source, ThingNameRow
+from tril.store.models import AuditRow, RecordingRow, RecordingState, Source, ThingNameRow
 from tril.store.training import runs
 
 RANKING = "/api/behaviours/1/ranking"
@@ -323,3 +323,25 @@ def test_it_says_how_far_it_is_with_learning_to_see_the_game(
     told = ask(client, [[1], [2]])
     assert (told["state"], told["progress"]) == ("learning", 0.4)
     assert ask(client, [[1], [2]])["state"] == "failed"
+
+
+def test_it_learns_to_see_a_game_while_games_are_kept(
+    client: TestClient, workplace: Workplace, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked_for: list[str] = []
+    monkeypatch.setattr(
+        VocabularyMaker, "vocabulary", lambda _, game: asked_for.append(game.name) or Making()
+    )
+
+    def keep_game(behaviour: int) -> None:
+        game = client.post("/api/games", json={"behaviour_id": behaviour}).json()["recording_id"]
+        with workplace.database.writing() as session:
+            session.get_one(RecordingRow, game).state = RecordingState.FINISHED
+        kept = client.post(f"/api/recordings/{game}/keep")
+        assert kept.json().get("state") == "kept", kept.text
+
+    keep_game(1)
+    assert asked_for == [], "its targets say what to look at"
+    behaviour = client.post("/api/behaviours", json={"name": "Stay up", "game": "pong"}).json()
+    keep_game(behaviour["id"])
+    assert asked_for == ["pong"]
