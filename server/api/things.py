@@ -30,11 +30,11 @@ from tril.recording import Recording
 from tril.store import behaviours, recordings, thing_names
 from tril.store.changes import note_change
 from tril.text import folded
-from tril.vocabulary.answers import given_name, kinds_about, thing_key
+from tril.vocabulary.answers import kinds_about
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.making import vocabulary_key
+from tril.vocabulary.names import bare_name, given_name, kind_name, one_name, thing_key
 from tril.vocabulary.pointing import meanings_of
-from tril.vocabulary.sentences import bare_name, kind_name, one_name
 
 router = APIRouter(prefix="/behaviours/{behaviour_id}/ranking/things", tags=["ranking"])
 

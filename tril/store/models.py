@@ -402,7 +402,7 @@ class StatementAnswerRow(Base):
 class ThingNameRow(Base):
     """A name that somebody gave to a kind of things of a game; rows are only ever added.
 
-    ``thing`` is its key (see tril.vocabulary.answers.thing_key). An empty name removes the former
+    ``thing`` is its key (see tril.vocabulary.names.thing_key). An empty name removes the former
     one.
     """
 

@@ -13,7 +13,7 @@ from tril.text import clean_line
 def current(session: Session, game: str) -> dict[str, str]:
     """Return the names of a game's things by their keys, the latest last.
 
-    See tril.vocabulary.answers.thing_key. A name that was removed is empty.
+    See tril.vocabulary.names.thing_key. A name that was removed is empty.
     """
     query = select(ThingNameRow).where(ThingNameRow.game == game).order_by(ThingNameRow.id)
     names: dict[str, str] = {}

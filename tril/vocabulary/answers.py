@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -12,13 +11,11 @@ import numpy.typing as npt
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.formations import FORMATION
 from tril.vocabulary.groups import Group
-from tril.vocabulary.kinds import Kind, Look
+from tril.vocabulary.names import known_look, look_key
 from tril.vocabulary.pieces import PIECES
 
 MOST_SUBJECTS = 2
 """Of a statement."""
-_WITHOUT_LOOK = {PIECES: "pieces", FORMATION: "formation"}
-_LOOK = re.compile(r"(\d+):(\d+)-(\d+)x(\d+)-(\d+)")
 
 
 @dataclass(frozen=True)
@@ -42,31 +39,14 @@ def subject_of(words: Vocabulary, group: Group) -> str:
     """
     if group.twin is not None:
         aspect = group.twin.axis if group.aspect == "value" else "moves"
-        return f"thing {_kind(words.kinds[group.twin.kind])} {aspect}"
+        return f"thing {look_key(words.kinds[group.twin.kind])} {aspect}"
     if group.source == "thing":
-        kinds = " ~ ".join(_kind(words.kinds[index]) for index in group.subject)
+        kinds = " ~ ".join(look_key(words.kinds[index]) for index in group.subject)
         return f"thing {kinds} {group.aspect}"
     if group.source == "formation":
         # Of one formation and of one thing that is steered.
         return f"formation {group.aspect}"
     return " ".join([group.source, *map(str, group.subject), group.aspect])
-
-
-def thing_key(words: Vocabulary, index: int) -> str:
-    """Return the key of a kind of things, PIECES or FORMATION, in any vocabulary of the game."""
-    if index in _WITHOUT_LOOK:
-        return _WITHOUT_LOOK[index]
-    return _kind(words.kinds[index])
-
-
-def given_name(words: Vocabulary, index: int) -> str | None:
-    """Return the name that a person gave to a kind of things, if any."""
-    key = thing_key(words, index)
-    if key in words.names:
-        return words.names[key] or None
-    # It was named when another of its looks was the most frequent one; the latest name counts.
-    given = [name for old, name in words.names.items() if _known_look(words, old) == key]
-    return given[-1] or None if given else None
 
 
 def known_subject(words: Vocabulary, subject: str) -> str:
@@ -84,7 +64,7 @@ def known_subject(words: Vocabulary, subject: str) -> str:
         return subject
     if source != "thing":
         return subject
-    return " ".join([source, *(_known_look(words, word) for word in rest)])
+    return " ".join([source, *(known_look(words, word) for word in rest)])
 
 
 def kinds_about(words: Vocabulary, subjects: Sequence[str]) -> tuple[int, ...]:
@@ -102,40 +82,8 @@ def kinds_about(words: Vocabulary, subjects: Sequence[str]) -> tuple[int, ...]:
         if named[0] == "formation" and words.scene.formation is not None:
             kinds.append(FORMATION)
         looks = [word for word in named if ":" in word]
-        kinds += [i for i, kind in enumerate(words.kinds) if looks[-1:] == [_kind(kind)]]
+        kinds += [i for i, kind in enumerate(words.kinds) if looks[-1:] == [look_key(kind)]]
     return tuple(dict.fromkeys(kinds))
-
-
-def _known_look(words: Vocabulary, word: str) -> str:
-    """Return the look by which a vocabulary names a thing that has this one; the word if none."""
-    parsed = _LOOK.fullmatch(word)
-    if parsed is None:
-        return word
-    colour, *sizes = map(int, parsed.groups())
-    named = Look(colour, (sizes[0], sizes[1]), (sizes[2], sizes[3]))
-    names = [_kind(kind) for kind in words.kinds]
-    if word in names:
-        return word
-    for kind, name in zip(words.kinds, names, strict=True):
-        if any(_overlap(look, named) for look in kind.looks):
-            return name
-    return word
-
-
-def _overlap(look: Look, other: Look) -> bool:
-    return look.colour == other.colour and all(
-        low <= other_high and other_low <= high
-        for (low, high), (other_low, other_high) in (
-            (look.width, other.width),
-            (look.height, other.height),
-        )
-    )
-
-
-def _kind(kind: Kind) -> str:
-    look = kind.looks[0]
-    (narrow, wide), (low, high) = look.width, look.height
-    return f"{look.colour}:{narrow}-{wide}x{low}-{high}"
 
 
 @dataclass(frozen=True)

@@ -82,7 +82,7 @@ class Vocabulary:
             None if there are none.
         groups: What the facts are about.
         pool: Facts of the varied games that it was made from, float32 (n_games, n_facts).
-        names: Names that people gave to kinds of things, by `tril.vocabulary.answers.thing_key`;
+        names: Names that people gave to kinds of things, by `tril.vocabulary.names.thing_key`;
             they are no part of its file.
     """
 

@@ -8,7 +8,8 @@ from tril.games.base import Game
 from tril.vocabulary.answers import subject_of
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.groups import Group
-from tril.vocabulary.sentences import GONE, kind_name, kind_of, one_name
+from tril.vocabulary.names import kind_name, one_name
+from tril.vocabulary.sentences import GONE, kind_of
 
 _OF_THING = {
     "x": "{thing} further to the left or right",

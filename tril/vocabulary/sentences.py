@@ -10,13 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from tril.games.base import Game
-from tril.vocabulary.answers import given_name, subject_of
+from tril.vocabulary.answers import subject_of
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.formations import FORMATION
 from tril.vocabulary.groups import Group, Sign
+from tril.vocabulary.names import kind_name, one_name
 from tril.vocabulary.pieces import PIECES
 from tril.vocabulary.posterior import Posterior, Statement
-from tril.vocabulary.trace import rgb_of
 
 Array = npt.NDArray[np.float64]
 
@@ -31,30 +31,8 @@ UNSEEN = "something that the screen does not show"
 SURE_CORRELATION = 0.7
 """Between a fact of a byte and what goes with it, from which on one is told for the other."""
 
-ONE_COLOUR = 0.6
-"""Share of the pieces that have a colour by which all are called."""
-
-_DETERMINERS = frozenset(("the", "a", "an", "my", "our", "your", "his", "her", "their"))
-
 GONE = ("gone", "gone x", "gone y")
 """Aspects of what is cleared."""
-
-_COLOURS: dict[str, tuple[int, int, int]] = {
-    "black": (0, 0, 0),
-    "gray": (128, 128, 128),
-    "white": (236, 236, 236),
-    "red": (200, 50, 50),
-    "pink": (230, 130, 170),
-    "orange": (215, 120, 50),
-    "brown": (120, 75, 30),
-    "yellow": (215, 205, 70),
-    "green": (70, 150, 60),
-    "light green": (140, 215, 130),
-    "cyan": (80, 190, 190),
-    "blue": (60, 80, 190),
-    "light blue": (110, 150, 230),
-    "purple": (140, 60, 170),
-}
 
 
 @dataclass(frozen=True)
@@ -514,62 +492,3 @@ def _seen_kind(group: Group) -> int:
     if group.source == "pieces":
         return PIECES
     return FORMATION if group.source == "formation" else group.subject[-1]
-
-
-def kind_name(words: Vocabulary, index: int, game: Game) -> str:
-    """Return what a kind of things is called: by a person, by the game, or by colour and size."""
-    given = given_name(words, index)
-    if given is not None:
-        return bare_name(given) if index in (PIECES, FORMATION) else _with_article(given)
-    if index == PIECES:
-        return pieces_name(words, game)
-    if index == FORMATION:
-        return game.formation or "things in formation"
-    kind = words.kinds[index]
-    thing = game.things.get(kind.name) if kind.name is not None else None
-    if thing:
-        return _with_article(thing.title)
-    if index == words.player:
-        return "what you steer"
-    look = kind.looks[0]
-    width, height = round(sum(look.width) / 2), round(sum(look.height) / 2)
-    return f"the {colour_name(rgb_of(look.colour, game))} thing of {width}x{height} px"
-
-
-def _with_article(name: str) -> str:
-    """Return a thing's name as a sentence has it; proper names have no article."""
-    bare = bare_name(name)
-    if bare != name:
-        return name[0].lower() + name[1:]
-    return name if name[0].isupper() else f"the {name}"
-
-
-def bare_name(name: str) -> str:
-    """Return a name without the article or possessive that it begins with."""
-    first, _, rest = name.partition(" ")
-    return rest if rest and first.lower() in _DETERMINERS else name
-
-
-def one_name(words: Vocabulary, index: int, game: Game) -> str:
-    """Return what a kind is called where one of it is meant: of a formation the nearest item."""
-    name = kind_name(words, index, game)
-    return f"the nearest of the {name}" if index == FORMATION else name
-
-
-def pieces_name(words: Vocabulary, game: Game) -> str:
-    """Return what the pieces of the still picture are called: by the game, or by their colour."""
-    if game.pieces:
-        return game.pieces
-    assert words.pieces is not None
-    amounts = np.bincount(words.scene.beginning[words.pieces])
-    colour = int(amounts.argmax())
-    if amounts[colour] < ONE_COLOUR * amounts.sum():
-        return "pieces of the picture"
-    return f"{colour_name(rgb_of(colour, game))} pieces"
-
-
-def colour_name(rgb: Array) -> str:
-    """Return the name of the nearest of fourteen colours."""
-    names = list(_COLOURS)
-    distance = np.linalg.norm(np.array(list(_COLOURS.values())) - rgb, axis=1)
-    return names[int(distance.argmin())]

@@ -20,6 +20,7 @@ from testsupport.waiting import wait_until
 from testsupport.workplace import Workplace, make_workplace
 from tril.analysis.outcome import ToldStatement
 from tril.demonstrators import play_randomly
+from tril.games.base import Game
 from tril.games.space_invaders import SPACE_INVADERS
 from tril.store import recordings
 from tril.store.models import AuditRow, RecordingRow, RecordingState, Source, ThingNameRow
@@ -329,9 +330,12 @@ def test_it_learns_to_see_a_game_while_games_are_kept(
     client: TestClient, workplace: Workplace, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked_for: list[str] = []
-    monkeypatch.setattr(
-        VocabularyMaker, "vocabulary", lambda _, game: asked_for.append(game.name) or Making()
-    )
+
+    def note(_: VocabularyMaker, game: Game) -> Making:
+        asked_for.append(game.name)
+        return Making()
+
+    monkeypatch.setattr(VocabularyMaker, "vocabulary", note)
 
     def keep_game(behaviour: int) -> None:
         game = client.post("/api/games", json={"behaviour_id": behaviour}).json()["recording_id"]

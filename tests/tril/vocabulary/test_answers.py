@@ -7,17 +7,11 @@ import pytest
 
 from tests.tril.vocabulary.test_facts import played
 from tril.games import game_named
-from tril.vocabulary.answers import (
-    Answer,
-    Conditions,
-    kinds_about,
-    known_subject,
-    subject_of,
-    thing_key,
-)
+from tril.vocabulary.answers import Answer, Conditions, kinds_about, known_subject, subject_of
 from tril.vocabulary.facts import Vocabulary
+from tril.vocabulary.names import kind_name, thing_key
 from tril.vocabulary.posterior import NothingPossible
-from tril.vocabulary.sentences import Telling, kind_name, tell
+from tril.vocabulary.sentences import Telling, tell
 from tril.vocabulary.understanding import understand
 
 

@@ -14,7 +14,8 @@ from tril.games.things import Axis, Thing
 from tril.vocabulary.blobs import BLOB_DTYPE, Background, find_blobs
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.groups import Aspect, Group
-from tril.vocabulary.sentences import colour_name, kind_name, phrase, tell
+from tril.vocabulary.names import colour_name, kind_name
+from tril.vocabulary.sentences import phrase, tell
 from tril.vocabulary.trace import Scene, Trace, sampled
 from tril.vocabulary.understanding import shuffles_as_good, understand
 

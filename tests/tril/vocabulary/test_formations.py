@@ -27,10 +27,11 @@ from tril.vocabulary.formations import (
 )
 from tril.vocabulary.groups import Aspect
 from tril.vocabulary.making import vocabulary_of
+from tril.vocabulary.names import kind_name, one_name
 from tril.vocabulary.pictures import pictures_of
 from tril.vocabulary.pieces import gone_items
 from tril.vocabulary.pointing import meanings_of
-from tril.vocabulary.sentences import kind_name, one_name, phrase, tell
+from tril.vocabulary.sentences import phrase, tell
 from tril.vocabulary.trace import Scene, Trace, trace
 from tril.vocabulary.understanding import understand
 from tril.vocabulary.watched import things_of

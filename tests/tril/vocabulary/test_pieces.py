@@ -18,10 +18,11 @@ from tril.games import game_named
 from tril.vocabulary.answers import kinds_about, subject_of
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.groups import Aspect, Group
+from tril.vocabulary.names import kind_name
 from tril.vocabulary.pictures import SIZE_PX, pictures_of
 from tril.vocabulary.pieces import PIECES, Areas, find_pieces, gone_pieces
 from tril.vocabulary.pointing import meanings_of
-from tril.vocabulary.sentences import kind_name, phrase, tell
+from tril.vocabulary.sentences import phrase, tell
 from tril.vocabulary.trace import Scene, Trace, sampled
 from tril.vocabulary.understanding import understand
 from tril.vocabulary.watched import things_of

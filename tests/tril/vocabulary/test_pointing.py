@@ -5,8 +5,8 @@ from __future__ import annotations
 from tril.games import game_named
 from tril.vocabulary.answers import Answer, Conditions, subject_of
 from tril.vocabulary.facts import Vocabulary
+from tril.vocabulary.names import kind_name
 from tril.vocabulary.pointing import meanings_of
-from tril.vocabulary.sentences import kind_name
 
 
 def test_each_thing_has_what_the_vocabulary_has_groups_for(words: Vocabulary) -> None:
