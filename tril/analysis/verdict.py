@@ -16,7 +16,7 @@ the run's games to watch."""
 
 GOOD_SHARE = 0.9
 """Share of the best demonstrations' figure, targets or worth, from which on the imitator counts as
-good."""
+good. It is worth more only where the best games have less than this share of the imitator's."""
 MOST_MET = 0.5
 """Share of the games that meet a measure from which on the imitator counts as meeting it."""
 SURE = 1 / 3
@@ -246,7 +246,7 @@ def _by_statement(
     is_as_good = share.mean >= GOOD_SHARE * best.mean > 0
     compared = (
         "more than"
-        if share.low > best.high > 0
+        if share.low > best.high > 0 and share.mean * GOOD_SHARE > best.mean
         else "about as much as"
         if is_as_good
         else "less than"

@@ -203,6 +203,7 @@ def test_without_targets_what_was_understood_is_compared() -> None:
     ("understood", "compared", "tone"),
     [
         (shares(0.70, 0.40, 0.72), "about as much as the best ones", "good"),
+        (shares(1.105, 0.40, 1.00), "about as much as the best ones", "good"),
         (shares(0.50, 0.40, 0.72), "less than the best ones", "fair"),
         (shares(0.38, 0.40, 0.72), "less than the best ones", "bad"),
         # Where the best games show nothing, nobody is as good as they.
