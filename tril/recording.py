@@ -251,6 +251,22 @@ def replay(
     return recorder.replay()
 
 
+def exact_replay(
+    recording: Recording,
+    console: Console | None = None,
+    on_frame: Callable[[Episode], None] | None = None,
+) -> Replay:
+    """Replay a recording as ``replay`` does, and compare its hashes.
+
+    Raises:
+        RecordingRefused: It was played on another version of the game, or the replay differs.
+    """
+    _check_version(recording)
+    played = replay(recording, console, on_frame)
+    _check_hashes(recording, played.hashes)
+    return played
+
+
 def _console(recording: Recording, console: Console | None) -> Console:
     """Return a console with the recording's game as it was set."""
     if console is None:
@@ -374,7 +390,6 @@ def trajectory(recording: Recording, console: Console | None = None) -> Trajecto
     Raises:
         RecordingRefused: It was played on another version of the game, or the replay differs.
     """
-    _check_version(recording)
     console = _console(recording, console)
     view = AgentView(recording.game)
     frames_per_step = recording.game.clock.frames_per_step
@@ -388,8 +403,7 @@ def trajectory(recording: Recording, console: Console | None = None) -> Trajecto
         if episode.frame % frames_per_step == 0:
             view.observe(observations[episode.frame // frames_per_step])
 
-    played = replay(recording, console, look)
-    _check_hashes(recording, played.hashes)
+    played = exact_replay(recording, console, look)
     complete = replace(recording, actions=recording.actions[: played.n_frames], hashes=())
     if played.n_frames % frames_per_step:
         view.finish_step(console, played.n_frames)

@@ -52,7 +52,8 @@ class Making:
 class VocabularyMaker:
     """Makes vocabularies in a child process that ends with this one; thread-safe.
 
-    One that failed is not tried again before the server's next start.
+    One that failed is not tried again before the server's next start, but found if another process
+    makes it.
 
     Args:
         data: The data folder.
@@ -71,6 +72,9 @@ class VocabularyMaker:
         key = vocabulary_key(game)
         with self._lock:
             making = self._makings.get(key)
+            if making and making.failed and (found := self._look(game)).path:
+                # A worker has made it meanwhile.
+                making = self._makings[key] = found
             if making is None:
                 making = self._look(game)
                 self._makings[key] = making

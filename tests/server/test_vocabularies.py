@@ -15,6 +15,7 @@ from testsupport.waiting import wait_until
 from tril.games import game_named
 from tril.games.settings import GameSettings
 from tril.vocabulary.facts import Vocabulary
+from tril.vocabulary.making import vocabulary_of
 
 PONG = game_named("pong").with_settings(GameSettings(max_steps=25))
 PATIENCE_S = 300.0
@@ -53,6 +54,9 @@ def test_one_that_fails_says_so_and_is_not_tried_again(
     vocabularies.vocabulary(PONG)
     vocabularies.stop()
     assert started.read_text() == "x"
+    # A worker on the same folder makes it all the same.
+    vocabulary_of(tmp_path, PONG)
+    assert vocabularies.vocabulary(PONG).path is not None
 
 
 def test_it_ends_when_the_server_is_killed(tmp_path: Path) -> None:

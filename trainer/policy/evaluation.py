@@ -149,6 +149,21 @@ def beginnings(
     return [evaluation_beginning(game.starts, number, recipe.openings) for number in numbers]
 
 
+def opening_steps(recording: Recording, beginning: Start | Opening) -> int:
+    """Return for how many steps a game's opening was played; 0 without one.
+
+    An opening that is not survived was left out (`tril.play.agent.AgentGame.begin`). A policy that
+    plays the same actions ends where the opening did, so that a longer game that begins so has it.
+    """
+    if not isinstance(beginning, Opening):
+        return 0
+    actions = np.repeat(np.array(beginning.actions, np.uint8), recording.game.clock.frames_per_step)
+    is_played = recording.n_frames > len(actions) and recording.actions.startswith(
+        actions.tobytes()
+    )
+    return len(beginning.actions) if is_played else 0
+
+
 def stickiness(action_selection: ActionSelection) -> float:
     """Return the probability with which games repeat the last frame's action."""
     return STICKY_ACTION_PROBABILITY if action_selection == "sticky" else 0.0

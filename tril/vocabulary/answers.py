@@ -55,8 +55,8 @@ def known_subject(words: Vocabulary, subject: str) -> str:
     There a thing may have had another of its looks as the most frequent one, or was several, and a
     byte may not have told a place.
     """
-    source, *rest = subject.split()
-    if source == "memory":
+    source, *rest = subject.split() or [subject]
+    if source == "memory" and len(rest) == 2:
         for group in words.groups:
             is_twin = group.twin is not None and rest[0] == str(group.subject[0])
             if is_twin and rest[1] in (group.aspect, "bits"):
@@ -76,7 +76,7 @@ def kinds_about(words: Vocabulary, subjects: Sequence[str]) -> tuple[int, ...]:
     """
     kinds: list[int] = []
     for subject in subjects:
-        named = known_subject(words, subject).split()
+        named = known_subject(words, subject).split() or [subject]
         if named[0] == "pieces" and words.pieces is not None:
             kinds.append(PIECES)
         if named[0] == "formation" and words.scene.formation is not None:

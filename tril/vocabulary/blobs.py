@@ -29,12 +29,14 @@ BLOB_DTYPE = np.dtype(
         ("colour", np.uint8),
         ("x", np.float32),
         ("y", np.float32),
+        ("left", np.int16),
+        ("top", np.int16),
         ("width", np.int16),
         ("height", np.int16),
         ("area", np.int32),
     ]
 )
-"""A blob: its step, its colour's number, its centre, size and area in pixels."""
+"""A blob: its step, its colour's number, the mean place of its pixels, its box and its area."""
 
 Blobs = npt.NDArray[np.void]
 """Blobs, BLOB_DTYPE (n,)."""
@@ -42,9 +44,7 @@ Blobs = npt.NDArray[np.void]
 
 def box_of(blobs: Blobs) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
     """Return the left column and the top row of each blob, int64 (n,) each."""
-    left = np.rint(blobs["x"] - (blobs["width"] - 1) / 2).astype(np.int64)
-    top = np.rint(blobs["y"] - (blobs["height"] - 1) / 2).astype(np.int64)
-    return left, top
+    return blobs["left"].astype(np.int64), blobs["top"].astype(np.int64)
 
 
 class Background:
@@ -113,6 +113,8 @@ def _areas(mask: Screen, left: int, top: int) -> tuple[npt.NDArray[np.int32], Bl
     stats, centres = stats[1:], centres[1:]
     found = np.zeros(len(stats), BLOB_DTYPE)
     found["x"], found["y"] = centres[:, 0] + left, centres[:, 1] + top
+    found["left"] = stats[:, cv2.CC_STAT_LEFT] + left
+    found["top"] = stats[:, cv2.CC_STAT_TOP] + top
     found["width"] = stats[:, cv2.CC_STAT_WIDTH]
     found["height"] = stats[:, cv2.CC_STAT_HEIGHT]
     found["area"] = stats[:, cv2.CC_STAT_AREA]

@@ -8,12 +8,13 @@ Nothing in it is made for one game.
 from __future__ import annotations
 
 import json
+import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, Self
-from zipfile import BadZipFile
+from zipfile import BadZipFile, ZipFile
 
 import numpy as np
 import numpy.typing as npt
@@ -40,6 +41,17 @@ from tril.vocabulary.trace import Scene, Trace
 
 FORMAT_VERSION = 6
 
+_UNREADABLE = (
+    OSError,
+    EOFError,
+    BadZipFile,
+    zlib.error,
+    RuntimeError,
+    KeyError,
+    ValueError,
+    TypeError,
+)
+"""What reading a damaged file raises; RuntimeError where a bit says that it is encrypted."""
 PLACE_BINS = 6
 LINE_BINS = 10
 """Columns, or rows, of a formation that are told apart."""
@@ -261,6 +273,10 @@ class Vocabulary:
             Invalid: The file is none, or of another format version.
         """
         try:
+            # NumPy reads an array's header before it compares checksums.
+            with ZipFile(path) as archive:
+                if damaged := archive.testzip():
+                    raise BadZipFile(f"{damaged} is damaged")
             with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
                 header: dict[str, Any] = json.loads(arrays["header"].tobytes())
                 if header["version"] != FORMAT_VERSION:
@@ -290,7 +306,7 @@ class Vocabulary:
                     tuple(groups),
                     arrays["pool"],
                 )
-        except (OSError, EOFError, BadZipFile, KeyError, ValueError, TypeError) as error:
+        except _UNREADABLE as error:
             raise Invalid(f"{path.name} cannot be read as a vocabulary: {error}") from error
 
 

@@ -132,7 +132,9 @@ def find_kinds(traces: Sequence[Trace]) -> tuple[Kind, ...]:
             sightings.append(sighting)
     sightings.sort(key=lambda sighting: -sighting.share)
     is_first = np.zeros(n_steps, np.bool_)
-    is_first[first[:-1]] = True
+    # A game that was over within its first step has none.
+    begins = first[:-1]
+    is_first[begins[begins < n_steps]] = True
     joined = [thing for thing in _joined(sightings, is_first) if thing.share >= MIN_SHARE]
     joined.sort(key=lambda thing: -thing.share)
     return tuple(Kind(thing.looks) for thing in _without_parts(joined)[:MAX_KINDS])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import zipfile
+import zlib
 from collections import defaultdict
 from collections.abc import Sequence
 from pathlib import Path
@@ -90,7 +91,7 @@ def read_picture(path: Path, kind: int) -> bytes | None:
     try:
         with zipfile.ZipFile(path) as archive:
             return archive.read(f"{kind}.png")
-    except (OSError, KeyError, zipfile.BadZipFile):
+    except (OSError, KeyError, zipfile.BadZipFile, zlib.error):
         return None
 
 

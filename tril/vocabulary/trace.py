@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from tril.games.base import Console, Game, Screen
 from tril.play.episode import Episode
-from tril.recording import Recording, replay
+from tril.recording import Recording, exact_replay
 from tril.vocabulary.blobs import BLOB_DTYPE, Background, Blobs, find_blobs
 from tril.vocabulary.formations import Followed, Follower, Formation
 
@@ -138,7 +138,7 @@ def look_at_steps(recording: Recording, console: Console, look: LookAtStep) -> N
     """Replay a recording and look at every step; one that the end cuts short is left out.
 
     Raises:
-        RecordingRefused: The recording goes on after its game's end.
+        RecordingRefused: It was played on another version of the game, or the replay differs.
     """
     per_step = recording.game.clock.frames_per_step
     screens: list[Screen] = []
@@ -154,7 +154,7 @@ def look_at_steps(recording: Recording, console: Console, look: LookAtStep) -> N
             look(screens, console.ram_bytes(), recording.actions[frame - per_step : frame])
             screens.clear()
 
-    replay(recording, console, look_at_frame)
+    exact_replay(recording, console, look_at_frame)
 
 
 def count_background(
@@ -194,7 +194,7 @@ def trace(recording: Recording, console: Console, scene: Scene) -> Trace:
         scene: What the game's screens have in common, in colours as `colours_of` returns them.
 
     Raises:
-        RecordingRefused: The recording goes on after its game's end.
+        RecordingRefused: It was played on another version of the game, or the replay differs.
     """
     memory: list[npt.NDArray[np.uint8]] = []
     held: list[int] = []

@@ -37,7 +37,7 @@ Summaries = npt.NDArray[np.float32]
 N_SHAPED = 300
 """Statements of one weight that are looked at closely, of thousands."""
 N_COMPARED = 20
-"""Varied games that the best efforts are compared with."""
+"""Varied games beside which games are standardised, and that the check prefers best efforts to."""
 
 
 @dataclass(frozen=True)

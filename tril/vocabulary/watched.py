@@ -58,7 +58,7 @@ class Watched:
         """Replay a recording and extract its facts and things.
 
         Raises:
-            RecordingRefused: The recording goes on after its game's end.
+            RecordingRefused: It was played on another version of the game, or the replay differs.
         """
         played = trace(recording, console, words.scene)
         facts = words.facts(played)

@@ -122,7 +122,7 @@ class ReplayProcess:
             vocabulary: File of its game's vocabulary.
 
         Raises:
-            RecordingRefused: The recording goes on after its game's end.
+            RecordingRefused: It was played on another version of the game, or the replay differs.
             Unavailable: It could not be replayed.
         """
         return self._thread.submit(self._watch, WatchRequest(recording, vocabulary)).result()

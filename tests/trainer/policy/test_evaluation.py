@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
+import pytest
 import torch
 
 from testsupport.space_invaders import evaluation_start
-from trainer.policy.evaluation import EvaluatedGame, play
+from trainer.policy.evaluation import EvaluatedGame, opening_steps, play
 from trainer.reward.model import RewardModel, RewardNetwork, predicted_return
+from tril.games import game_named
 from tril.games.space_invaders import SPACE_INVADERS
 from tril.games.space_invaders.ends import Ending, EndReason
 from tril.games.space_invaders.memory import Action
-from tril.play.agent import STICKY_ACTION_PROBABILITY
-from tril.recording import trajectory, verify
+from tril.play.agent import STICKY_ACTION_PROBABILITY, AgentGame
+from tril.recording import Recording, trajectory, verify
 
 STARTS = tuple(evaluation_start(number) for number in (0, 1, 2))
 
@@ -133,3 +135,22 @@ def test_sticky_games_follow_their_start_and_not_the_games_beside_them() -> None
 def test_the_stickiness_asked_for_counts_more_than_the_action_selection() -> None:
     (game,) = play(SPACE_INVADERS, _Turning(), STARTS[:1], "sticky", sticky_action_probability=1.0)
     assert set(game.recording.actions) == {Action.NOOP}
+
+
+@pytest.mark.parametrize(("name", "some_left_out"), [("gym:Blackjack-v1", True), ("pong", False)])
+def test_openings_that_end_a_game_are_not_counted(name: str, some_left_out: bool) -> None:
+    game = game_named(name)
+    console = game.make_console()
+    played = []
+    for number in range(8):
+        opening = game.starts.evaluation_opening(number)
+        agent = AgentGame(console, max_frames=40 * game.clock.frames_per_step)
+        n_steps = agent.begin(opening)
+        while agent.end is None:
+            agent.step(0)
+        recording = Recording(game, opening.start, agent.episode.actions)
+        assert opening_steps(recording, opening) == n_steps
+        assert opening_steps(recording, opening.start) == 0
+        played.append(n_steps == len(opening.actions))
+    console.close()
+    assert all(played) != some_left_out

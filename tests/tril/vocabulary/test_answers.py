@@ -58,8 +58,10 @@ def test_two_that_are_meant_hold_together_and_of_three_the_latest(words: Vocabul
 
 
 def test_an_answer_about_what_is_not_in_the_vocabulary_is_ignored(words: Vocabulary) -> None:
-    for meant in (True, False):
-        assert told(words, Answer(frozenset({"thing 99:1-2x1-2 x"}), meant)) == told(words)
+    for subject in ("thing 99:1-2x1-2 x", "memory 3", "memory", "thing", " "):
+        assert kinds_about(words, [subject]) == ()
+        for meant in (True, False):
+            assert told(words, Answer(frozenset({subject}), meant)) == told(words)
 
 
 def test_a_thing_is_called_by_the_name_that_a_person_gave_it(words: Vocabulary) -> None:

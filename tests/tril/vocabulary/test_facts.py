@@ -11,7 +11,7 @@ import pytest
 from tril.errors import Invalid
 from tril.games import game_named
 from tril.games.things import Axis, Thing
-from tril.vocabulary.blobs import BLOB_DTYPE, Background, find_blobs
+from tril.vocabulary.blobs import BLOB_DTYPE, Background, Blobs, box_of, find_blobs
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.groups import Aspect, Group
 from tril.vocabulary.names import colour_name, kind_name
@@ -25,6 +25,12 @@ STEERED, FREE = 40, 80
 """Colours."""
 SCENE = Scene(np.zeros((210, 160), np.uint8), np.zeros((210, 160), np.uint8))
 N_CELLS = sampled(SCENE.beginning).size
+
+
+def set_boxes(blobs: Blobs) -> None:
+    """Put the boxes of blobs around their centres."""
+    for edge, centre, size in (("left", "x", "width"), ("top", "y", "height")):
+        blobs[edge] = np.rint(blobs[centre] - (blobs[size] - 1) / 2)
 
 
 def played(seed: int, n_steps: int = HORIZON, centre: float | None = None) -> Trace:
@@ -44,8 +50,9 @@ def played(seed: int, n_steps: int = HORIZON, centre: float | None = None) -> Tr
         other = np.clip(other + rng.normal() * 3, 5, 155)
         memory[step, 3] = int(x)
         memory[step, 5] = rng.integers(0, 4)
-        blobs[2 * step] = (step, STEERED, x, 180, 8, 6, 48)
-        blobs[2 * step + 1] = (step, FREE, other, 60, 4, 4, 16)
+        blobs[2 * step] = (step, STEERED, x, 180, 0, 0, 8, 6, 48)
+        blobs[2 * step + 1] = (step, FREE, other, 60, 0, 0, 4, 4, 16)
+    set_boxes(blobs)
     unchanged = np.zeros((n_steps, N_CELLS // 8), np.uint8)
     return Trace(memory, held, blobs, unchanged, N_CELLS)
 
@@ -162,6 +169,20 @@ def test_a_file_that_is_no_vocabulary_is_refused(content: bytes, tmp_path: Path)
         Vocabulary.load(path)
 
 
+def test_a_file_with_flipped_bits_is_read_or_refused(words: Vocabulary, tmp_path: Path) -> None:
+    path = tmp_path / "words.npz"
+    words.save(path)
+    whole = path.read_bytes()
+    n_refused = 0
+    for at in np.linspace(0, len(whole) - 1, 200).astype(int):
+        path.write_bytes(whole[:at] + bytes([whole[at] ^ 0x55]) + whole[at + 1 :])
+        try:
+            Vocabulary.load(path)
+        except Invalid:
+            n_refused += 1
+    assert n_refused > 100
+
+
 def test_every_group_has_a_phrase_either_way(words: Vocabulary) -> None:
     game = game_named("pong")
     for group in words.groups:
@@ -227,6 +248,21 @@ def test_blobs_are_areas_of_one_colour_in_front_of_the_background() -> None:
     assert boxes == {(100, 22.5, 11.5, 6, 4, 24), (100, 5.5, 33.5, 2, 8, 16)}
 
 
+def test_the_box_of_a_thing_that_is_heavier_on_one_side_is_where_it_is() -> None:
+    screen = np.zeros((210, 160), np.uint8)
+    screen[20:100, 30:36] = 7
+    screen[94:100, 30:70] = 7
+    found = find_blobs(screen, np.zeros_like(screen))
+    left, top = box_of(found)
+    assert (left.tolist(), top.tolist()) == ([30], [20])
+    assert (found["width"].tolist(), found["height"].tolist()) == ([40], [80])
+
+
+def test_games_over_within_their_first_step_have_no_first_step() -> None:
+    games = [*(played(seed) for seed in range(20)), played(20, n_steps=0)]
+    assert Vocabulary.of_games(games, SCENE, 2, HORIZON).player is not None
+
+
 def test_colours_have_names() -> None:
     assert colour_name(np.array([200.0, 60, 60])) == "red"
     assert colour_name(np.array([0.0, 0, 0])) == "black"
@@ -266,6 +302,7 @@ def with_light(seed: int, *, sure: float) -> Trace:
     lamps["step"] = np.flatnonzero(is_on)
     lamps["colour"], lamps["x"], lamps["y"] = 120, 20, 20
     lamps["width"], lamps["height"], lamps["area"] = 6, 6, 36
+    set_boxes(lamps)
     blobs = np.concatenate([game.blobs, lamps])
     blobs = blobs[np.argsort(blobs["step"], kind="stable")]
     return replace(game, blobs=blobs)
@@ -305,6 +342,7 @@ def test_one_thing_at_several_sizes_and_in_several_colours_is_one_kind() -> None
         steered = game.blobs["colour"] == STEERED
         # It is cut at the left, and another colour at the right.
         game.blobs["width"][steered & (game.blobs["x"] < 60)] = 3
+        set_boxes(game.blobs)
         game.blobs["colour"][steered & (game.blobs["x"] > 100)] = STEERED + 1
         games.append(game)
     words = Vocabulary.of_games(games, SCENE, 2, HORIZON)
@@ -324,6 +362,7 @@ def test_a_thing_that_is_drawn_in_two_parts_is_what_you_steer() -> None:
         game = played(seed)
         feet = game.blobs[game.blobs["colour"] == STEERED].copy()
         feet["x"] += 12
+        set_boxes(feet)
         blobs = np.concatenate([game.blobs, feet])
         blobs = blobs[np.argsort(blobs["step"], kind="stable")]
         games.append(replace(game, blobs=blobs))

@@ -7,7 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from trainer.policy.evaluation import EvaluatedGame, beginnings, play, stickiness
+from trainer.policy.evaluation import (
+    EvaluatedGame,
+    beginnings,
+    opening_steps,
+    play,
+    stickiness,
+)
 from trainer.progress import Progress, ScaledProgress
 from trainer.reward.check import final_level
 from trainer.reward.preference_dataset import Facts
@@ -16,7 +22,7 @@ from trainer.runtime.policy_games import add_game, verify_games
 from trainer.runtime.run_data import RunData
 from tril.analysis.outcome import ElsewhereShares, Headline, RunOutcome, UnderstoodShares
 from tril.analysis.summary import Interval, interval
-from tril.games.base import Console, Opening
+from tril.games.base import Console
 from tril.games.behaviours import score
 from tril.recipes import recipe_from_dict
 from tril.store.models import EvaluationRow
@@ -237,4 +243,5 @@ def _opening_steps(data: RunData, row: EvaluationRow) -> int:
     """Return the steps of an evaluation game that were played before the policy's first."""
     context = data.context
     (beginning,) = beginnings(context.game, context.recipe.evaluation, [row.start_number])
-    return len(beginning.actions) if isinstance(beginning, Opening) else 0
+    (recording,) = data.recordings([row.recording_id]).values()
+    return opening_steps(recording, beginning)
