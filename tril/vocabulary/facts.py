@@ -58,6 +58,8 @@ LINE_BINS = 10
 MIN_SPAN_PX = 4
 """What moves less has no place worth a fact."""
 MIN_STEPS_SEEN = 100
+STEPS_COMPARED = 600
+"""Of each game, for what goes with a byte: in long games more would take gigabytes."""
 COUNT_SCALE = 8
 
 SPREAD_FLOOR = 0.04
@@ -141,10 +143,13 @@ class Vocabulary:
         )
         empty = np.empty((0, 0), np.float32)
         words = cls(horizon, scene, kinds, player, pieces, groups, empty)
-        facts = [words.facts(played) for played in traces]
-        pool = np.stack([words.summary(of_game) for of_game in facts])
-        signed = with_signs(groups, words.columns, facts)
-        return cls(horizon, scene, kinds, player, pieces, signed, pool)
+        pool, beginnings = [], []
+        for played in traces:
+            facts = words.facts(played)
+            pool.append(words.summary(facts))
+            beginnings.append(facts[:STEPS_COMPARED].copy())
+        signed = with_signs(groups, words.columns, beginnings)
+        return cls(horizon, scene, kinds, player, pieces, signed, np.stack(pool))
 
     def with_names(self, names: Mapping[str, str]) -> Self:
         """Return the vocabulary with names that people gave to kinds of things."""
