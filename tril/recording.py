@@ -14,6 +14,7 @@ from typing import Self
 
 import numpy as np
 import numpy.typing as npt
+from numpy.lib.stride_tricks import sliding_window_view
 
 from tril.errors import Invalid
 from tril.games.base import Cell, Console, Game, Start, Taken, cell_name
@@ -393,7 +394,7 @@ def trajectory(recording: Recording, console: Console | None = None) -> Trajecto
     console = _console(recording, console)
     view = AgentView(recording.game)
     frames_per_step = recording.game.clock.frames_per_step
-    observations = np.empty((recording.n_steps + 1, *OBSERVATION_SHAPE), np.uint8)
+    screens = _Screens(recording.n_steps)
 
     def look(episode: Episode) -> None:
         if episode.frame == 0:
@@ -401,19 +402,50 @@ def trajectory(recording: Recording, console: Console | None = None) -> Trajecto
         else:
             view.update(console, episode.frame)
         if episode.frame % frames_per_step == 0:
-            view.observe(observations[episode.frame // frames_per_step])
+            screens.add(view, episode.frame // frames_per_step)
 
     played = exact_replay(recording, console, look)
     complete = replace(recording, actions=recording.actions[: played.n_frames], hashes=())
     if played.n_frames % frames_per_step:
         view.finish_step(console, played.n_frames)
-        view.observe(observations[complete.n_steps])
+        screens.add(view, complete.n_steps)
     return Trajectory(
-        observations[: complete.n_steps + 1],
+        screens.observations[: complete.n_steps + 1],
         step_actions(complete.actions, frames_per_step),
         played.taken,
         played.end,
     )
+
+
+class _Screens:
+    """The screens of a game, each kept once; an observation has the last four of them.
+
+    Args:
+        n_steps: Steps of the game.
+    """
+
+    def __init__(self, n_steps: int) -> None:
+        n_stacked, *size = OBSERVATION_SHAPE
+        self._observation = np.empty(OBSERVATION_SHAPE, np.uint8)
+        self._screens = np.zeros((n_stacked + n_steps, *size), np.uint8)
+
+    def add(self, view: AgentView, step: int) -> None:
+        """Keep what a view shows after a step; step 0 is the start, where the stack is full."""
+        view.observe(self._observation)
+        n_stacked = len(self._observation)
+        if step == 0:
+            self._screens[:n_stacked] = self._observation
+        else:
+            self._screens[n_stacked - 1 + step] = self._observation[-1]
+
+    @property
+    def observations(self) -> npt.NDArray[np.uint8]:
+        """View of the observations, uint8 (n_steps + 1, 4, 84, 84); the start is the first."""
+        # (n_steps + 1, 84, 84, 4), the stacked screens last. Writable, as torch warns of others.
+        n_stacked = len(self._observation)
+        stacks = sliding_window_view(self._screens, n_stacked, axis=0, writeable=True)
+        observations: npt.NDArray[np.uint8] = np.moveaxis(stacks, -1, 1)
+        return observations
 
 
 def step_actions(actions: bytes, frames_per_step: int) -> npt.NDArray[np.int64]:

@@ -6,8 +6,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from tril.games import game_named
 from tril.games.atari.starts import AtariStart
 from tril.games.base import Console, Start
+from tril.games.settings import GameSettings
 from tril.games.space_invaders import SPACE_INVADERS
 from tril.games.space_invaders.ends import EndReason
 from tril.games.space_invaders.memory import Action
@@ -231,6 +233,24 @@ def test_a_trajectory_holds_what_an_agent_saw_and_did(
     np.testing.assert_array_equal(found.observations, np.stack(seen))
     np.testing.assert_array_equal(found.actions, done)
     assert found.n_steps == len(done)
+
+
+@pytest.mark.parametrize("name", ["pong", "gym:CartPole-v1", "gym:Blackjack-v1"])
+def test_a_trajectory_of_any_game_keeps_each_screen_once(name: str) -> None:
+    game = game_named(name).with_settings(GameSettings(max_steps=40))
+    console = game.make_console()
+    agent, rng = AgentGame(console), np.random.default_rng(0)
+    agent.reset(game.starts.evaluation(0))
+    seen = [agent.observation]
+    while agent.end is None:
+        agent.step(int(rng.integers(game.controls.n_actions)))
+        seen.append(agent.observation)
+    played = Recording(game, game.starts.evaluation(0), agent.episode.actions)
+    found = trajectory(played, console).observations
+    console.close()
+    np.testing.assert_array_equal(found, np.stack(seen))
+    assert np.may_share_memory(found[0], found[-1]) == (len(found) <= len(found[0]))
+    assert np.may_share_memory(found[0], found[1])
 
 
 def test_a_trajectory_ends_with_the_whole_step_in_which_the_player_is_hit(

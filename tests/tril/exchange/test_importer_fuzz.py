@@ -20,7 +20,7 @@ from tril.exchange.formats.run_file import parse_run
 from tril.exchange.run_archive import RANKED, RUN_FILE
 from tril.recipes import FAST, checked, recipe_from_dict
 
-MAX_SECONDS = 2.0
+MAX_SECONDS = 10.0
 MAX_SENTENCE = 900
 
 RAW = {
