@@ -114,7 +114,7 @@ class Vocabulary:
         cls,
         traces: Sequence[Trace],
         scene: Scene,
-        n_buttons: int,
+        buttons: Sequence[str],
         horizon: int,
         things: Mapping[str, Thing] | None = None,
     ) -> Self:
@@ -123,18 +123,18 @@ class Vocabulary:
         Args:
             traces: The games.
             scene: What the game's screens have in common.
-            n_buttons: Number of the game's buttons.
+            buttons: Names of the game's buttons.
             horizon: Steps of a whole game.
             things: Things that the game itself names, by their keys.
         """
         kinds = find_kinds(traces)
         at = [places(played, kinds) for played in traces]
         kinds = named_kinds(kinds, at, [played.memory for played in traces], things or {})
-        player = find_player(traces, at)
+        player = find_player(traces, at, buttons)
         pieces = find_pieces(traces, scene.beginning)
         groups = (
             *memory_groups([played.memory for played in traces], at),
-            *(Group("button", (button,), "held") for button in range(n_buttons)),
+            *(Group("button", (button,), "held") for button in range(len(buttons))),
             Group("time", (), "played"),
             *_thing_groups(at, len(kinds)),
             *_relation_groups(traces, at, kinds, player),

@@ -45,6 +45,10 @@ PART_SHARE = 0.95
 
 MIN_EXPLAINED = 0.05
 """Share of a kind's motion that the buttons explain, from which on it is what the player steers."""
+AGAINST = 0.2
+"""Of a motion's standard deviation, by which it goes against the buttons as scenery does."""
+_WAYS: Mapping[str, tuple[str, str]] = {"x": ("left", "right"), "y": ("up", "down")}
+"""Buttons to lower and to higher places."""
 MOST_STEP_PX = 32
 """What moves further in one step is not the same thing, or began anew."""
 
@@ -335,18 +339,26 @@ def offset_to_nearest(played: Trace, kind: Kind, x: Array, y: Array) -> tuple[Ar
     return result[0], result[1]
 
 
-def find_player(traces: Sequence[Trace], at: Sequence[Places]) -> int | None:
+def find_player(
+    traces: Sequence[Trace], at: Sequence[Places], buttons: Sequence[str]
+) -> int | None:
     """Return the index of the kind that answers the buttons; None if none does.
 
     Of each kind of which there are as many as in the step before, it is asked how much of the
     variance of its motion from step to step is between the buttons held. There may be several, as
-    of a thing that is drawn in parts.
+    of a thing that is drawn in parts. What moves against the buttons, as the scenery does where the
+    screen follows the player, is not steered.
+
+    Args:
+        traces: The games.
+        at: Where the kinds are in each of them.
+        buttons: Names of the buttons; "left" and "right", "up" and "down" say where to.
     """
     # Of the step in which it moved, and of the one before: some games answer late.
     answers = []
     for lag in (slice(1, None), slice(None, -1)):
         keys = np.concatenate([played.held[lag] for played in traces])
-        answers.append(np.unique(keys, return_inverse=True)[1])
+        answers.append(np.unique(keys, return_inverse=True))
     best, player = MIN_EXPLAINED, None
     for kind in range(at[0].count.shape[1]):
         as_many = np.concatenate(
@@ -355,16 +367,31 @@ def find_player(traces: Sequence[Trace], at: Sequence[Places]) -> int | None:
                 for found in at
             ]
         )
-        for axis in ("x", "y"):
+        for axis, names in _WAYS.items():
             moved = np.concatenate([np.diff(getattr(found, axis)[:, kind]) for found in at])
             usable = as_many & ~np.isnan(moved) & (np.abs(moved) < MOST_STEP_PX)
             motion = moved[usable]
             if usable.sum() < 100 or motion.var() < 0.01:
                 continue
-            for held in answers:
+            ways = [1 << buttons.index(name) if name in buttons else 0 for name in names]
+            for patterns, held in answers:
                 keys = held[usable]
                 means = np.bincount(keys, motion) / np.maximum(np.bincount(keys), 1)
                 explained = means[keys].var() / motion.var() * usable.mean()
-                if explained > best:
+                if explained > best and not _moves_against(motion, patterns[keys], ways):
                     best, player = float(explained), kind
     return player
+
+
+def _moves_against(motion: Array, held: npt.NDArray[np.int64], ways: Sequence[int]) -> bool:
+    """Return whether a thing clearly moves the other way than the buttons say.
+
+    Args:
+        motion: In steps, along an axis, (n_steps,).
+        held: The buttons held, as bits, int64 (n_steps,).
+        ways: The button to lower places and the one to higher ones, as bits; 0 if there is none.
+    """
+    down, up = ((held & one != 0) & (held & other == 0) for one, other in (ways, ways[::-1]))
+    if not down.any() or not up.any():
+        return False
+    return bool(motion[up].mean() - motion[down].mean() < -AGAINST * motion.std())

@@ -90,7 +90,7 @@ def make_vocabulary(game: Game, progress: Progress | None = None) -> Vocabulary:
         report(total - n_games + number, total)
     console.close()
     return Vocabulary.of_games(
-        traces, scene, len(game.controls.buttons), game.clock.max_steps, game.things
+        traces, scene, game.controls.buttons, game.clock.max_steps, game.things
     )
 
 

@@ -21,6 +21,7 @@ from tril.vocabulary.understanding import shuffles_as_good, understand
 
 HORIZON = 100
 LEFT, RIGHT = 1, 2
+BUTTONS = ("left", "right")
 STEERED, FREE = 40, 80
 """Colours."""
 SCENE = Scene(np.zeros((210, 160), np.uint8), np.zeros((210, 160), np.uint8))
@@ -260,7 +261,7 @@ def test_the_box_of_a_thing_that_is_heavier_on_one_side_is_where_it_is() -> None
 
 def test_games_over_within_their_first_step_have_no_first_step() -> None:
     games = [*(played(seed) for seed in range(20)), played(20, n_steps=0)]
-    assert Vocabulary.of_games(games, SCENE, 2, HORIZON).player is not None
+    assert Vocabulary.of_games(games, SCENE, BUTTONS, HORIZON).player is not None
 
 
 def test_colours_have_names() -> None:
@@ -276,7 +277,7 @@ def test_a_byte_that_tells_a_place_by_a_table_is_that_place() -> None:
         x = game.memory[:, 3].astype(int)
         game.memory[:, 3] = (x // 15) | (x % 15) << 4
         games.append(game)
-    words = Vocabulary.of_games(games, SCENE, 2, HORIZON)
+    words = Vocabulary.of_games(games, SCENE, BUTTONS, HORIZON)
     group, *others = [g for g in words.groups if g.source == "memory" and g.subject == (3,)]
     # Its rises and falls and its bits mean nothing to anybody.
     assert others == []
@@ -317,7 +318,7 @@ def with_light(seed: int, *, sure: float) -> Trace:
 )
 def test_a_byte_is_told_by_what_is_seen_with_it(sure: float, text: str) -> None:
     games = [with_light(seed, sure=sure) for seed in range(20)]
-    words = Vocabulary.of_games(games, SCENE, 2, HORIZON)
+    words = Vocabulary.of_games(games, SCENE, BUTTONS, HORIZON)
     pong = game_named("pong")
     lamp = next(i for i, kind in enumerate(words.kinds) if kind.looks[0].colour == 120)
     group = next(
@@ -345,7 +346,7 @@ def test_one_thing_at_several_sizes_and_in_several_colours_is_one_kind() -> None
         set_boxes(game.blobs)
         game.blobs["colour"][steered & (game.blobs["x"] > 100)] = STEERED + 1
         games.append(game)
-    words = Vocabulary.of_games(games, SCENE, 2, HORIZON)
+    words = Vocabulary.of_games(games, SCENE, BUTTONS, HORIZON)
     assert len(words.kinds) == 2
     assert words.player is not None
     looks = words.kinds[words.player].looks
@@ -366,7 +367,17 @@ def test_a_thing_that_is_drawn_in_two_parts_is_what_you_steer() -> None:
         blobs = np.concatenate([game.blobs, feet])
         blobs = blobs[np.argsort(blobs["step"], kind="stable")]
         games.append(replace(game, blobs=blobs))
-    words = Vocabulary.of_games(games, SCENE, 2, HORIZON)
+    words = Vocabulary.of_games(games, SCENE, BUTTONS, HORIZON)
+    assert words.player is not None
+    assert words.kinds[words.player].looks[0].colour == STEERED
+
+
+def test_scenery_that_moves_against_the_buttons_is_not_steered() -> None:
+    games = [played(seed) for seed in range(20)]
+    # Where the screen follows the player, all that stands still seems to move.
+    assert Vocabulary.of_games(games, SCENE, ("right", "left"), HORIZON).player is None
+    # Of a game that names its buttons otherwise nothing is known.
+    words = Vocabulary.of_games(games, SCENE, ("turn", "shoot"), HORIZON)
     assert words.player is not None
     assert words.kinds[words.player].looks[0].colour == STEERED
 
@@ -379,7 +390,7 @@ def test_a_thing_has_the_name_that_the_game_gives_it() -> None:
     games = [played(seed) for seed in range(20)]
     for game in games:
         game.memory[:, 3] = game.blobs["x"][game.blobs["colour"] == FREE].astype(int)
-    words = Vocabulary.of_games(games, SCENE, 2, HORIZON, things)
+    words = Vocabulary.of_games(games, SCENE, BUTTONS, HORIZON, things)
     names = {kind.looks[0].colour: kind.name for kind in words.kinds}
     assert names == {STEERED: None, FREE: "lamp"}
 

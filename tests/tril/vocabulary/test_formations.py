@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from tests.tril.vocabulary.test_facts import HORIZON, played
+from tests.tril.vocabulary.test_facts import BUTTONS, HORIZON, played
 from tril.demonstrators.random_play import play_randomly
 from tril.games import game_named
 from tril.games.base import Screen
@@ -104,7 +104,7 @@ def formation() -> Formation:
 def words(formation: Formation) -> Vocabulary:
     rng = np.random.default_rng(0)
     games = [walking(seed, rng.permutation(N_ITEMS)[:5].tolist(), formation) for seed in range(20)]
-    return Vocabulary.of_games(games, Scene(draw() * 0, draw(), formation), 2, HORIZON)
+    return Vocabulary.of_games(games, Scene(draw() * 0, draw(), formation), BUTTONS, HORIZON)
 
 
 def test_what_stands_beside_the_formation_is_no_item(formation: Formation) -> None:

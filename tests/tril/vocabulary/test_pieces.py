@@ -12,7 +12,7 @@ import numpy.typing as npt
 import pytest
 from PIL import Image
 
-from tests.tril.vocabulary.test_facts import HORIZON, played
+from tests.tril.vocabulary.test_facts import BUTTONS, HORIZON, played
 from tril.demonstrators.random_play import play_randomly
 from tril.games import game_named
 from tril.vocabulary.answers import kinds_about, subject_of
@@ -74,7 +74,7 @@ def words() -> Vocabulary:
     games = [
         clearing(seed, rng.permutation(N_DOTS - 1)[:5].tolist(), passing=True) for seed in range(20)
     ]
-    return Vocabulary.of_games(games, SCENE, 2, HORIZON)
+    return Vocabulary.of_games(games, SCENE, BUTTONS, HORIZON)
 
 
 def test_cleared_areas_and_those_alike_are_pieces(words: Vocabulary) -> None:
@@ -92,7 +92,7 @@ def test_a_passing_thing_clears_nothing(words: Vocabulary) -> None:
 
 
 def test_games_without_pieces_have_no_groups_about_them() -> None:
-    words = Vocabulary.of_games([played(seed) for seed in range(20)], SCENE, 2, HORIZON)
+    words = Vocabulary.of_games([played(seed) for seed in range(20)], SCENE, BUTTONS, HORIZON)
     assert words.pieces is None
     assert not [group for group in words.groups if group.source == "pieces"]
 
@@ -190,7 +190,7 @@ def test_a_counter_of_cleared_dots_is_told_by_them() -> None:
         n_gone = (game.changed.sum(1) / 2).round().astype(np.uint8)
         game.memory[:, 6] = n_gone
         games.append(game)
-    words = Vocabulary.of_games(games, SCENE, 2, HORIZON)
+    words = Vocabulary.of_games(games, SCENE, BUTTONS, HORIZON)
     about = ("memory", (6,), "changes")
     counter = next(g for g in words.groups if (g.source, g.subject, g.aspect) == about)
     told = phrase(words, counter, np.array([1.0, 0.0, 0.0]), game_named("pong"))
