@@ -52,8 +52,8 @@ class Making:
 class VocabularyMaker:
     """Makes vocabularies in a child process that ends with this one; thread-safe.
 
-    One that failed is not tried again before the server's next start, but found if another process
-    makes it.
+    One that failed is not tried again before the server's next start, but used if another process
+    has made it.
 
     Args:
         data: The data folder.

@@ -246,11 +246,13 @@ def test_a_trajectory_of_any_game_keeps_each_screen_once(name: str) -> None:
         agent.step(int(rng.integers(game.controls.n_actions)))
         seen.append(agent.observation)
     played = Recording(game, game.starts.evaluation(0), agent.episode.actions)
-    found = trajectory(played, console).observations
+    observations = trajectory(played, console).observations
     console.close()
-    np.testing.assert_array_equal(found, np.stack(seen))
-    assert np.may_share_memory(found[0], found[-1]) == (len(found) <= len(found[0]))
-    assert np.may_share_memory(found[0], found[1])
+    np.testing.assert_array_equal(observations, np.stack(seen))
+    assert np.may_share_memory(observations[0], observations[-1]) == (
+        len(observations) <= len(observations[0])
+    )
+    assert np.may_share_memory(observations[0], observations[1])
 
 
 def test_a_trajectory_ends_with_the_whole_step_in_which_the_player_is_hit(

@@ -59,7 +59,7 @@ MIN_SPAN_PX = 4
 """What moves less has no place worth a fact."""
 MIN_STEPS_SEEN = 100
 STEPS_COMPARED = 600
-"""Of each game, for what goes with a byte: in long games more would take gigabytes."""
+"""Steps of a game that bytes are compared with things in; whole long games take gigabytes."""
 COUNT_SCALE = 8
 
 SPREAD_FLOOR = 0.04

@@ -46,7 +46,7 @@ PART_SHARE = 0.95
 MIN_EXPLAINED = 0.05
 """Share of a kind's motion that the buttons explain, from which on it is what the player steers."""
 AGAINST = 0.2
-"""Of a motion's standard deviation, by which it goes against the buttons as scenery does."""
+"""Standard deviations of a motion by which its mean has to go against the buttons, as scenery's."""
 _WAYS: Mapping[str, tuple[str, str]] = {"x": ("left", "right"), "y": ("up", "down")}
 """Buttons to lower and to higher places."""
 MOST_STEP_PX = 32

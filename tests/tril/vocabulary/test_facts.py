@@ -253,10 +253,10 @@ def test_the_box_of_a_thing_that_is_heavier_on_one_side_is_where_it_is() -> None
     screen = np.zeros((210, 160), np.uint8)
     screen[20:100, 30:36] = 7
     screen[94:100, 30:70] = 7
-    found = find_blobs(screen, np.zeros_like(screen))
-    left, top = box_of(found)
+    blobs = find_blobs(screen, np.zeros_like(screen))
+    left, top = box_of(blobs)
     assert (left.tolist(), top.tolist()) == ([30], [20])
-    assert (found["width"].tolist(), found["height"].tolist()) == ([40], [80])
+    assert (blobs["width"].tolist(), blobs["height"].tolist()) == ([40], [80])
 
 
 def test_games_over_within_their_first_step_have_no_first_step() -> None:
