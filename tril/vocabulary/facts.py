@@ -22,7 +22,16 @@ import numpy.typing as npt
 from tril.errors import Invalid
 from tril.games.things import Thing
 from tril.vocabulary.formations import FORMATION, Formation
-from tril.vocabulary.groups import BY_PLACE, NEAR_PX, Aspect, Group, Source, binned, edges_of
+from tril.vocabulary.groups import (
+    BY_PLACE,
+    IN_ORDER,
+    NEAR_PX,
+    Aspect,
+    Group,
+    Source,
+    binned,
+    edges_of,
+)
 from tril.vocabulary.kinds import (
     Array,
     Kind,
@@ -39,7 +48,7 @@ from tril.vocabulary.memory import facts_of_byte, memory_groups, with_signs
 from tril.vocabulary.pieces import cells_of, find_pieces, gone_items, gone_pieces
 from tril.vocabulary.trace import Scene, Trace
 
-FORMAT_VERSION = 6
+FORMAT_VERSION = 7
 
 _UNREADABLE = (
     OSError,
@@ -65,20 +74,21 @@ COUNT_SCALE = 8
 SPREAD_FLOOR = 0.04
 """Smallest standard deviation by which a fact is divided, so that rare ones are held down."""
 
-Role = Literal["place", "relation", "thing", "gone", "memory", "button", "time"]
+Role = Literal["place", "relation", "thing", "gone", "order", "memory", "button", "time"]
 
 PRIOR_SHARES: dict[Role, float] = {
     "place": 0.25,
     "relation": 0.2,
     "thing": 0.2,
     "gone": 0.05,
+    "order": 0.05,
     "memory": 0.25,
     "button": 0.05,
     "time": 0.05,
 }
 """Prior probability of what a statement's group is about: where the player's own thing is, how it
-stands to others, other things, what is cleared of the still picture or of a formation, memory that
-follows no thing, buttons, how long the game lasts; of these, what the game has.
+stands to others, other things, what is cleared of the still picture or of a formation, in which
+order, memory that follows no thing, buttons, how long the game lasts; of these, what the game has.
 Buttons are few and are held differently by whoever plays better, so that they fit most orders a
 little."""
 
@@ -181,7 +191,9 @@ class Vocabulary:
         if group.twin is not None:
             # A byte that follows a thing stands for its place.
             subject = (group.twin.kind,)
-        elif group.source == "pieces" or group.aspect in ("gone", "gone x", "gone y"):
+        elif group.aspect in IN_ORDER:
+            return "order"
+        elif group.source == "pieces" or group.aspect in ("gone", *BY_PLACE):
             return "gone"
         elif group.source == "formation":
             return "relation"
@@ -383,9 +395,10 @@ def _piece_groups(pieces: Mask | None) -> list[Group]:
         ("gone x", columns.astype(np.float32)),
         ("gone y", rows.astype(np.float32)),
     )
-    for aspect, values in aspects:
+    for (aspect, values), in_order in zip(aspects, IN_ORDER, strict=True):
         if np.ptp(values) >= MIN_SPAN_PX:
             groups.append(Group("pieces", (), aspect, edges_of(values, PLACE_BINS)))
+            groups.append(Group("pieces", (), in_order))
     return groups
 
 
@@ -395,9 +408,10 @@ def _formation_groups(
     if formation is None:
         return []
     groups = [Group("formation", (), "gone")]
-    for aspect, lines in zip(BY_PLACE, formation.lines, strict=True):
+    for aspect, in_order, lines in zip(BY_PLACE, IN_ORDER, formation.lines, strict=True):
         if np.ptp(lines):
             groups.append(Group("formation", (), aspect, edges_of(lines.astype(float), LINE_BINS)))
+            groups.append(Group("formation", (), in_order))
     if player is not None:
         offsets = [
             played.followed.offset_to_nearest(found.x[:, player], found.y[:, player])

@@ -10,12 +10,14 @@ import numpy as np
 import numpy.typing as npt
 
 from tril.vocabulary.kinds import Array
-from tril.vocabulary.shapes import Shapes, shapes_of
+from tril.vocabulary.shapes import ONE_WAY, Shapes, shapes_of
 
 NEAR_PX = (8, 16, 32)
 ORDERED: tuple[Aspect, ...] = ("value", "x", "y", "dx", "dy", "gone x", "gone y")
 BY_PLACE: tuple[Aspect, ...] = ("gone x", "gone y")
 """Aspects of what is cleared, bin by bin."""
+IN_ORDER: tuple[Aspect, ...] = ("order x", "order y")
+"""Aspects of the order in which things are cleared."""
 BIN_LENGTH = 2.0
 """Bins over which the prior correlation of two weights falls to 1/e."""
 
@@ -23,7 +25,7 @@ Source = Literal["memory", "thing", "pieces", "formation", "button", "time"]
 Axis = Literal["x", "y"]
 Aspect = Literal[
     "value", "changes", "bits", "held", "x", "y", "count", "comes", "moves", "dx", "dy",
-    "level x", "level y", "near", "gone", "gone x", "gone y", "played",
+    "level x", "level y", "near", "gone", "gone x", "gone y", "order x", "order y", "played",
 ]  # fmt: skip
 
 _SIZES: dict[str, int] = {
@@ -37,6 +39,8 @@ _SIZES: dict[str, int] = {
     "level y": len(NEAR_PX),
     "near": len(NEAR_PX),
     "gone": 2,
+    "order x": 2,
+    "order y": 2,
     "played": 1,
 }
 
@@ -117,7 +121,9 @@ class Group:
             "x" and "y" in bins, "count" (any, how many), "comes" (appears, vanishes) and "moves"
             (right, left, down, up); of two kinds "dx" and "dy" in bins, "level x", "level y" and
             "near" within 8, 16 and 32 pixels; of pieces, and of a formation, what share is "gone",
-            whether it grows, and what share in bins of "x" and "y", or by column and row; of time
+            whether it grows, what share in bins of "x" and "y", or by column and row, and what
+            share is gone with all before it in its line: in "order x" along rows (from the left,
+            from the right), in "order y" along columns (from the top, from the bottom); of time
             "played", which holds in every step.
         edges: Between the bins; in pixels where a byte tells a place.
         twin: Of a byte the place that it tells, if any.
@@ -140,6 +146,8 @@ class Group:
     @property
     def shapes(self) -> Shapes:
         """The shapes of statements about it."""
+        if self.aspect in IN_ORDER:
+            return ONE_WAY
         return shapes_of(self.n_facts, self.aspect in ORDERED, self.aspect in BY_PLACE)
 
     @property

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from tril.vocabulary.groups import Axis, Group, Sign, Twin, binned, edges_of
+from tril.vocabulary.groups import IN_ORDER, Axis, Group, Sign, Twin, binned, edges_of
 from tril.vocabulary.kinds import Array, Places
 
 MEMORY_BINS = 8
@@ -97,7 +97,9 @@ def with_signs(
         facts: Facts of every step of each game, float32 (n_steps, n_facts).
     """
     unseen = [i for i, group in enumerate(groups) if group.source == "memory" and not group.twin]
-    seen = [i for i, group in enumerate(groups) if group.source in SEEN]
+    seen = [
+        i for i, group in enumerate(groups) if group.source in SEEN and group.aspect not in IN_ORDER
+    ]
     if not unseen or not seen:
         return tuple(groups)
     of_unseen = np.concatenate([columns[i] for i in unseen])

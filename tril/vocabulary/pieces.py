@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from tril.games.base import Screen
 from tril.vocabulary.formations import Followed
-from tril.vocabulary.groups import Group, binned
+from tril.vocabulary.groups import IN_ORDER, Group, binned
 from tril.vocabulary.kinds import Array
 from tril.vocabulary.lasting import Mask, lasting, missing_for_good
 from tril.vocabulary.trace import Trace, sampled, strides_of
@@ -33,6 +33,8 @@ MIN_GAMES = 2
 """In which a place of a piece is cleared."""
 REACHED_SHARE = 0.1
 """An area of one colour is a piece as a whole if this share of it is cleared in some games."""
+FIRST_PART = 4
+"""Of a line, one in so many, from where on what is cleared in order counts."""
 MIN_CELLS = 8
 """Sampled pixels of all pieces together; fewer are noise."""
 MIN_GAMES_SHARE = 0.2
@@ -133,10 +135,31 @@ class Gone:
         if group.aspect == "gone":
             share = self.is_gone.mean(1, dtype=np.float32)
             return np.stack([share, np.diff(share, prepend=share[:1]) > 0], 1)
+        if group.aspect in IN_ORDER:
+            line, along = (self.y, self.x) if group.aspect == "order x" else (self.x, self.y)
+            return np.stack([self._in_order(line, along), self._in_order(line, -along)], 1)
         place = self.y if group.aspect == "gone y" else self.x
         in_bin = binned(place.astype(np.float32), group.edges)
         shares: Array = self.is_gone.astype(np.float32) @ (in_bin / in_bin.sum(0).clip(1))
         return shares
+
+    def _in_order(self, line: npt.NDArray[np.int64], along: npt.NDArray[np.int64]) -> Array:
+        """Return the share that is gone with all before it in its line, float32 (n_steps,).
+
+        The first quarter of each line does not count: who clears no more has not shown an order.
+
+        Args:
+            line: In which line each place is, int64 (n_places,).
+            along: Where in its line, int64 (n_places,).
+        """
+        n_in_order = np.zeros(len(self.is_gone), np.float32)
+        order = np.lexsort((along, line))
+        begins = np.flatnonzero(np.diff(line[order])) + 1
+        for places in np.split(order, begins):
+            in_order = np.logical_and.accumulate(self.is_gone[:, places], axis=1)
+            n_in_order += in_order[:, -(-len(places) // FIRST_PART) :].sum(1)
+        share: Array = n_in_order / np.float32(max(len(order), 1))
+        return share
 
 
 def gone_pieces(played: Trace, pieces: Mask) -> Gone:

@@ -29,6 +29,8 @@ _OF_GONE = {
     "gone": "more or fewer {things} cleared",
     "gone x": "{things} cleared further to the left or right",
     "gone y": "{things} cleared higher up or lower down",
+    "order x": "{things} cleared from left to right or from right to left",
+    "order y": "{things} cleared from top to bottom or from bottom to top",
 }
 _OF_MEMORY = {
     "value": "{memory}: larger or smaller",

@@ -13,7 +13,7 @@ from tril.games.base import Game
 from tril.vocabulary.answers import subject_of
 from tril.vocabulary.facts import Vocabulary
 from tril.vocabulary.formations import FORMATION
-from tril.vocabulary.groups import Group, Sign
+from tril.vocabulary.groups import BY_PLACE, IN_ORDER, Group, Sign
 from tril.vocabulary.names import kind_name, one_name
 from tril.vocabulary.pieces import PIECES
 from tril.vocabulary.posterior import Posterior, Statement
@@ -31,8 +31,12 @@ UNSEEN = "something that the screen does not show"
 SURE_CORRELATION = 0.7
 """Between a fact of a byte and what goes with it, from which on one is told for the other."""
 
-GONE = ("gone", "gone x", "gone y")
+GONE = ("gone", *BY_PLACE, *IN_ORDER)
 """Aspects of what is cleared."""
+_WAYS: dict[str, tuple[str, str]] = {
+    "order x": ("from left to right", "from right to left"),
+    "order y": ("from top to bottom", "from bottom to top"),
+}
 
 
 @dataclass(frozen=True)
@@ -191,8 +195,13 @@ def _of_seen(words: Vocabulary, group: Group, weights: Array, game: Game) -> str
         return f"the game going on {'longer' if weights.sum() > 0 else 'less long'}"
     if group.aspect in GONE:
         pieces = kind_name(words, _seen_kind(group), game)
-        if group.aspect != "gone":
+        if group.aspect in BY_PLACE:
             return _of_cleared(words, group, pieces, weights)
+        if group.aspect in IN_ORDER:
+            # Varied games may clear nothing one of the ways. Less of one is the other.
+            fact = int(np.argmax(np.abs(weights)))
+            way = _WAYS[group.aspect][fact if weights[fact] > 0 else 1 - fact]
+            return f"{pieces} cleared {way}"
         fact = _telling_fact(words, group, weights)
         if fact == 0:
             return f"{'more' if weights[fact] > 0 else 'fewer'} {pieces} cleared"

@@ -45,6 +45,12 @@ class Shapes:
     is_positive: bool
 
 
+_ONE_WAY_SHARE = 0.95
+ONE_WAY = Shapes(np.eye(2), np.full(2, _ONE_WAY_SHARE / 2), 1 - _ONE_WAY_SHARE, is_positive=True)
+"""Of two facts one is wanted, as of two ways to do something. Free weights are what is left if a
+person means it and their games show neither."""
+
+
 @lru_cache
 def shapes_of(n_facts: int, is_ordered: bool, excludes: bool = False) -> Shapes:
     """Return the shapes of statements about a group.

@@ -304,7 +304,8 @@ def test_the_nearest_item_is_told_from_the_place(formation: Formation) -> None:
 def test_an_order_by_the_items_of_a_column_is_told(words: Vocabulary, column: int) -> None:
     formation = words.scene.formation
     assert formation is not None
-    own = [column + N_COLUMNS * row for row in range(N_ROWS)]
+    # From bottom to top, as all else, so that it is not the order in which they are cleared.
+    own = [column + N_COLUMNS * row for row in reversed(range(N_ROWS))]
     rng = np.random.default_rng(column)
     others = [item for item in range(N_ITEMS) if item not in own]
     games: list[Trace] = []
@@ -312,7 +313,7 @@ def test_an_order_by_the_items_of_a_column_is_told(words: Vocabulary, column: in
     for n_own in (3, 2, 1, 0):
         tiers.append([len(games) + place for place in range(3)])
         for _ in range(3):
-            order = [*own[:n_own], *rng.permutation(others)[: 4 - n_own].tolist()]
+            order = [*own[:n_own], *sorted(rng.permutation(others)[: 4 - n_own].tolist())[::-1]]
             games.append(walking(100 + len(games), order, formation))
     summaries = np.stack([words.summary(words.facts(game)) for game in games])
     understood = understand(words, summaries, tiers)
@@ -363,6 +364,37 @@ def test_what_is_cleared_only_in_a_part_is_told_so(words: Vocabulary) -> None:
         assert phrase(words, group, np.array(weights, np.float64), game).text == text
 
 
+@pytest.mark.parametrize(
+    ("aspect", "weights", "way"),
+    [
+        ("order x", [1, 0], "from left to right"),
+        ("order x", [-1, 0], "from right to left"),
+        ("order y", [0.2, 1], "from bottom to top"),
+        ("order y", [1, -0.5], "from top to bottom"),
+    ],
+)
+def test_the_order_of_clearing_is_told(
+    words: Vocabulary, aspect: Aspect, weights: list[float], way: str
+) -> None:
+    group = next(g for g in words.groups if (g.source, g.aspect) == ("formation", aspect))
+    told = phrase(words, group, np.array(weights, np.float64), game_named("space_invaders"))
+    assert told.text == f"aliens cleared {way}"
+
+
+def test_the_items_of_a_formation_count_in_order_along_their_lines(words: Vocabulary) -> None:
+    formation = words.scene.formation
+    assert formation is not None
+    # The four leftmost of the lowest row, of five, and two of the last column, from the top.
+    order = [10, 11, 12, 13, 4, 9]
+    facts = words.facts(walking(3, order, formation))
+    for aspect, expected in (("order x", [2, 0]), ("order y", [1, 0])):
+        index = next(
+            i for i, g in enumerate(words.groups) if (g.source, g.aspect) == ("formation", aspect)
+        )
+        shares = facts[60, words.columns[index]]
+        assert np.allclose(N_ITEMS * shares, expected)
+
+
 def test_a_formation_can_be_pointed_at(words: Vocabulary) -> None:
     formation = words.scene.formation
     assert formation is not None
@@ -377,10 +409,12 @@ def test_a_formation_can_be_pointed_at(words: Vocabulary) -> None:
         for one in meanings_of(words, game_named("space_invaders"))
         if one.kind == FORMATION
     ]
-    assert sentences[:3] == [
+    assert sentences[:5] == [
         "more or fewer aliens cleared",
         "aliens cleared further to the left or right",
+        "aliens cleared from left to right or from right to left",
         "aliens cleared higher up or lower down",
+        "aliens cleared from top to bottom or from bottom to top",
     ]
     assert "what you steer in line with the nearest of the aliens or not" in sentences
 

@@ -99,8 +99,9 @@ def test_games_without_pieces_have_no_groups_about_them() -> None:
 
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_an_order_by_where_dots_are_cleared_is_told(words: Vocabulary, side: str) -> None:
-    # As many are cleared in each game; the better ones clear more of them on one side.
-    orders = [[*range(n), *range(N_DOTS - 5 + n, N_DOTS)] for n in range(6)]
+    # As many are cleared in each game; the better ones clear more of them on one side, but for
+    # the outermost, so that it is not the order in which they are cleared.
+    orders = [[*range(1, n + 1), *range(N_DOTS - 6 + n, N_DOTS - 1)] for n in range(6)]
     if side == "left":
         orders.reverse()
     games = [clearing(100 + place, order) for place, order in enumerate(orders)]
@@ -115,6 +116,37 @@ def test_an_order_by_where_dots_are_cleared_is_told(words: Vocabulary, side: str
     ways = (f"on the {side}", f"towards the {side}", f"anywhere but on the {other}")
     assert any(f" cleared {way}" in told.sentence for way in ways)
     assert told.kinds == (PIECES,)
+
+
+def test_what_is_cleared_in_order_counts_from_the_end_of_a_line(words: Vocabulary) -> None:
+    assert words.pieces is not None
+    gone = gone_pieces(clearing(3, [0, 2, 4, 1, 3, 11]), words.pieces)
+    of_rows = gone.facts(Group("pieces", (), "order x"))
+    # Of twelve, after each dot; three of each side do not count.
+    assert np.allclose(12 * of_rows[7:48:8, 0], [0, 0, 0, 0, 2, 2])
+    assert not of_rows[:, 1].any()
+
+
+@pytest.mark.parametrize(("sign", "way"), [(1, "from left to right"), (-1, "from right to left")])
+def test_the_order_in_which_dots_are_cleared_is_told(
+    words: Vocabulary, sign: int, way: str
+) -> None:
+    rng = np.random.default_rng(1)
+    # Two games a tier, from strictly in order to nearly any.
+    noise = np.repeat(np.arange(6) * 1.5, 2)
+    games = [
+        clearing(
+            100 + place,
+            np.argsort(sign * np.arange(N_DOTS) + rng.normal(0, 1, N_DOTS) * spread).tolist()[:7],
+        )
+        for place, spread in enumerate(noise)
+    ]
+    tiers = [[2 * place, 2 * place + 1] for place in range(6)]
+    summaries = np.stack([words.summary(words.facts(game)) for game in games])
+    understood = understand(words, summaries, tiers)
+    told = tell(words, understood.posterior, game_named("pong"))
+    name = kind_name(words, PIECES, game_named("pong"))
+    assert f"{name} cleared {way}" in [one.sentence for one in told[:2]]
 
 
 def test_a_vocabulary_with_pieces_is_read_as_it_was_written(
@@ -134,6 +166,7 @@ def test_pieces_are_told_in_every_way(words: Vocabulary) -> None:
     aspects: dict[Aspect, tuple[list[float], str]] = {
         "gone": ([1, 0], f"more {name} cleared"),
         "gone x": ([1, 0, 0, 0, 0, 0], f"more {name} cleared on the left (within "),
+        "order x": ([1, -0.5], f"{name} cleared from left to right"),
     }
     for aspect, (weights, text) in aspects.items():
         group = next(g for g in words.groups if (g.source, g.aspect) == ("pieces", aspect))
@@ -143,6 +176,7 @@ def test_pieces_are_told_in_every_way(words: Vocabulary) -> None:
     assert sentences == [
         f"more or fewer {name} cleared",
         f"{name} cleared further to the left or right",
+        f"{name} cleared from left to right or from right to left",
     ]
 
 
