@@ -33,7 +33,11 @@ def create_behaviour(page: Page) -> None:
     dialog.get_by_label("Description").fill("Keep level with the ball.")
     dialog.get_by_label("Name").fill("Keep level")
     dialog.get_by_text("How it is played").click()
-    dialog.get_by_label("Longest game, in seconds").fill("10")
+    seconds = dialog.get_by_label("Longest game, in seconds")
+    seconds.press_sequentially("1")
+    seconds.press("Backspace")
+    # What was unfolded stays so.
+    seconds.press_sequentially("10")
     dialog.get_by_role("button", name="Create behaviour").click()
     page.wait_for_url("**/play")
 

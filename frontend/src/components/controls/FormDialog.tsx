@@ -37,6 +37,14 @@ export function FormDialog(props: FormDialogProps) {
         noValidate
         onSubmit={(event: SubmitEvent<HTMLFormElement>) => {
           event.preventDefault();
+          // What is typed there is no number, and would be lost.
+          const unreadable = [...event.currentTarget.querySelectorAll("input")].find(
+            ({ validity }) => validity.badInput,
+          );
+          if (unreadable) {
+            unreadable.focus();
+            return;
+          }
           onSubmit(event.currentTarget);
         }}
       >

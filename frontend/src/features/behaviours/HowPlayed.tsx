@@ -1,5 +1,6 @@
 import { t } from "@lingui/core/macro";
 import { Trans } from "@lingui/react/macro";
+import { useState } from "react";
 
 import type { TaughtGame } from "@/api/types";
 import { Field } from "@/components/controls/Field";
@@ -26,8 +27,10 @@ export function HowPlayed({ game, value, error, onChange }: HowPlayedProps) {
   const options = Object.entries(game.options).filter(([, values]) => values.length > 1);
   const isChanged =
     value.seconds !== "" || value.endRule !== null || Object.keys(value.options).length > 0;
+  // Afterwards it is as the person leaves it, also where a field is emptied.
+  const [startsOpen] = useState(isChanged);
   return (
-    <details className={styles.how} open={isChanged || undefined}>
+    <details className={styles.how} open={startsOpen}>
       <summary>
         <Trans>How it is played</Trans>
       </summary>

@@ -7,12 +7,15 @@ import type { Behaviour } from "@/api/types";
 import { WatchDialog } from "@/components/recording/WatchDialog";
 import { useGame } from "@/games/game";
 import { describeCourse, describeResult } from "@/games/outcomes";
+import { useMedia } from "@/lib/browser/use-media";
 import { recordingName } from "@/lib/recordings";
 
 import styles from "./Preview.module.css";
 import { RecordingScreen } from "./RecordingScreen";
 
 const PREVIEW = { width: 320, height: 210 } as const;
+/** Where 320 pixels have no room. */
+const NARROW_PREVIEW = { width: 232, height: 152 } as const;
 
 /** A preview of the recording that is pointed at. */
 export function Preview({
@@ -25,6 +28,7 @@ export function Preview({
   behaviour: Behaviour;
 }) {
   const game = useGame();
+  const size = useMedia("(max-width: 27rem)") ? NARROW_PREVIEW : PREVIEW;
   const [watching, setWatching] = useState(false);
   const { data: recording } = useQuery({
     ...shownQuery(behaviour.id, recordingId ?? 0),
@@ -41,7 +45,7 @@ export function Preview({
         aria-label={t`Watch ${recordingName(recording)}`}
         onClick={() => setWatching(true)}
       >
-        <RecordingScreen key={recording.id} recording={recording} playing={playing} {...PREVIEW} />
+        <RecordingScreen key={recording.id} recording={recording} playing={playing} {...size} />
       </button>
       <p className={styles.caption}>
         <strong>{recordingName(recording)}</strong>

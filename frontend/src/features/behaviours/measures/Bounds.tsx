@@ -1,4 +1,5 @@
 import { t } from "@lingui/core/macro";
+import { useState } from "react";
 
 import type { Measure } from "@/api/types";
 import { Field } from "@/components/controls/Field";
@@ -13,6 +14,7 @@ interface BoundsProps {
 
 /** The lowest and the highest value that meet a measure; either may be left empty. */
 export function Bounds({ measure, onChange }: BoundsProps) {
+  const [unreadable, setUnreadable] = useState<string | null>(null);
   if (measure.kind === "alive") return null;
   // Shares are typed in percent.
   const scale = unitOf(measure) === "share" ? 100 : 1;
@@ -26,7 +28,7 @@ export function Bounds({ measure, onChange }: BoundsProps) {
       {bounds.map(({ key, label }) => {
         const value = measure[key];
         return (
-          <Field key={key} label={label}>
+          <Field key={key} label={label} error={unreadable === key ? t`Type a number.` : null}>
             {(control) => (
               <input
                 {...control}
@@ -35,7 +37,8 @@ export function Bounds({ measure, onChange }: BoundsProps) {
                 {...(scale === 100 && { min: 0, max: 100 })}
                 value={value == null ? "" : Number((value * scale).toFixed(3))}
                 onChange={(event) => {
-                  const typed = event.currentTarget.valueAsNumber;
+                  const { valueAsNumber: typed, validity } = event.currentTarget;
+                  setUnreadable(validity.badInput ? key : null);
                   onChange({ ...measure, [key]: Number.isFinite(typed) ? typed / scale : null });
                 }}
               />

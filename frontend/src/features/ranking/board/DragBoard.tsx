@@ -66,7 +66,9 @@ export function DragBoard(props: DragBoardProps) {
     if (step === undefined) return undefined;
     event.preventDefault();
     const at = places.indexOf(chosen.current ?? String(context.over?.id ?? ""));
-    const next = places[Math.min(Math.max(at + step, 0), places.length - 1)];
+    // Down from the games that are not ranked, which come last, is the best place.
+    const wraps = chosen.current === null && at === places.length - 1 && step > 0;
+    const next = wraps ? places[0] : places[Math.min(Math.max(at + step, 0), places.length - 1)];
     if (next === undefined) return undefined;
     chosen.current = next;
     context.droppableContainers.get(next)?.node.current?.scrollIntoView({ block: "nearest" });
