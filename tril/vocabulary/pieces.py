@@ -6,6 +6,7 @@ alike in size belongs to them, too, also where varied play has not reached it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -33,8 +34,8 @@ MIN_GAMES = 2
 """In which a place of a piece is cleared."""
 REACHED_SHARE = 0.1
 """An area of one colour is a piece as a whole if this share of it is cleared in some games."""
-FIRST_PART = 4
-"""Of a line, one in so many, from where on what is cleared in order counts."""
+UNCOUNTED_SHARE = 0.25
+"""Share of each line, at its beginning, that does not count as cleared in order."""
 MIN_CELLS = 8
 """Sampled pixels of all pieces together; fewer are noise."""
 MIN_GAMES_SHARE = 0.2
@@ -157,7 +158,7 @@ class Gone:
         begins = np.flatnonzero(np.diff(line[order])) + 1
         for places in np.split(order, begins):
             in_order = np.logical_and.accumulate(self.is_gone[:, places], axis=1)
-            n_in_order += in_order[:, -(-len(places) // FIRST_PART) :].sum(1)
+            n_in_order += in_order[:, math.ceil(UNCOUNTED_SHARE * len(places)) :].sum(1)
         share: Array = n_in_order / np.float32(max(len(order), 1))
         return share
 

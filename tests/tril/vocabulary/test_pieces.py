@@ -118,7 +118,9 @@ def test_an_order_by_where_dots_are_cleared_is_told(words: Vocabulary, side: str
     assert told.kinds == (PIECES,)
 
 
-def test_what_is_cleared_in_order_counts_from_the_end_of_a_line(words: Vocabulary) -> None:
+def test_pieces_count_as_cleared_in_order_after_the_first_quarter_of_a_line(
+    words: Vocabulary,
+) -> None:
     assert words.pieces is not None
     gone = gone_pieces(clearing(3, [0, 2, 4, 1, 3, 11]), words.pieces)
     of_rows = gone.facts(Group("pieces", (), "order x"))
@@ -128,9 +130,7 @@ def test_what_is_cleared_in_order_counts_from_the_end_of_a_line(words: Vocabular
 
 
 @pytest.mark.parametrize(("sign", "way"), [(1, "from left to right"), (-1, "from right to left")])
-def test_the_order_in_which_dots_are_cleared_is_told(
-    words: Vocabulary, sign: int, way: str
-) -> None:
+def test_the_direction_of_clearing_dots_is_told(words: Vocabulary, sign: int, way: str) -> None:
     rng = np.random.default_rng(1)
     # Two games a tier, from strictly in order to nearly any.
     noise = np.repeat(np.arange(6) * 1.5, 2)

@@ -37,7 +37,7 @@ export function FormDialog(props: FormDialogProps) {
         noValidate
         onSubmit={(event: SubmitEvent<HTMLFormElement>) => {
           event.preventDefault();
-          // What is typed there is no number, and would be lost.
+          // Text that is not a number has no value, and would be dropped.
           const unreadable = [...event.currentTarget.querySelectorAll("input")].find(
             ({ validity }) => validity.badInput,
           );
