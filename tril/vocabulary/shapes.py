@@ -47,8 +47,8 @@ class Shapes:
 
 _ONE_WAY_SHARE = 0.95
 ONE_WAY = Shapes(np.eye(2), np.full(2, _ONE_WAY_SHARE / 2), 1 - _ONE_WAY_SHARE, is_positive=True)
-"""One of two facts is wanted, such as one of two directions. Free weights remain possible, for games
-that show neither direction although a person means the group."""
+"""One of two facts is wanted, such as one of two directions. Free weights remain possible for
+games that show neither direction although a person means the group."""
 
 
 @lru_cache
